@@ -1,0 +1,32 @@
+# Installs BUILD into an empty prefix, builds the project CONSUMER against it, and runs both its
+# program and the installed one.
+set(work ${BUILD}/install-test)
+set(prefix ${work}/prefix)
+file(REMOVE_RECURSE ${work})
+
+function(run output)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE text ERROR_VARIABLE text)
+  if(NOT code EQUAL 0)
+    string(JOIN " " command ${ARGN})
+    message(FATAL_ERROR "${command}: exit code ${code}\n${text}")
+  endif()
+  set(${output} "${text}" PARENT_SCOPE)
+endfunction()
+
+function(expect text wanted)
+  string(FIND "${text}" "${wanted}" at)
+  if(at EQUAL -1)
+    message(FATAL_ERROR "expected '${wanted}' in:\n${text}")
+  endif()
+endfunction()
+
+run(text ${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
+run(text ${CMAKE_COMMAND} -S ${CONSUMER} -B ${work}/build -G ${GENERATOR}
+  -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_FLAGS=${FLAGS}
+  -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DFACETA_VERSION=${VERSION})
+run(text ${CMAKE_COMMAND} --build ${work}/build)
+
+run(text ${work}/build/consumer)
+expect("${text}" "scene.xml:3:7: error: unknown property (did you mean 'int_ior'?")
+run(text ${prefix}/${BINDIR}/faceta --version)
+expect("${text}" "${VERSION}")
