@@ -1,0 +1,77 @@
+# Per-instruction-set modules: every material of a list is compiled once per set into a shared module
+# of its own (<name>_scalar.so, <name>_v3.so, <name>_v4.so) that exports one C symbol. They are loaded
+# at run time after asking the CPU. Linking several sets into one binary would let the linker merge
+# inline functions across them, and old CPUs would meet instructions they do not have.
+#
+#   faceta_add_material_modules(<name> [NAMESPACE <ns>] MATERIALS <header>:<Struct>...
+#                               [EXTRA <source>...] [LIBS <target>...])
+#
+# makes the static library faceta_<name>_models with `std::vector<faceta::Model> <name>_models()` in
+# namespace <ns> (double reference, derivatives, descriptors) and the modules in lib/faceta/.
+
+set(FACETA_ISAS scalar v3 v4)
+set(FACETA_FLAGS_scalar -DFACETA_LANE_WIDTH=1)
+set(FACETA_FLAGS_v3 -march=x86-64-v3 -maes -mpclmul -DFACETA_LANE_WIDTH=8)
+set(FACETA_FLAGS_v4 -march=x86-64-v4 -maes -mpclmul -DFACETA_LANE_WIDTH=16)
+set(FACETA_MODULE_SCRIPT ${CMAKE_CURRENT_LIST_DIR}/module.map)
+
+# Writes a file only if its content changed, so that nothing rebuilds for nothing.
+function(faceta_write path content)
+  file(GENERATE OUTPUT ${path} CONTENT "${content}")
+endfunction()
+
+function(faceta_add_material_modules name)
+  cmake_parse_arguments(M "" "NAMESPACE" "MATERIALS;EXTRA;LIBS" ${ARGN})
+  if(NOT M_NAMESPACE)
+    set(M_NAMESPACE faceta)
+  endif()
+  set(dir ${CMAKE_CURRENT_BINARY_DIR}/${name})
+  set(models "")
+  set(kernels "")
+  set(declare_models "")
+  set(declare_kernels "")
+  set(call_models "")
+  set(call_kernels "")
+  set(count 0)
+  foreach(entry ${M_MATERIALS})
+    string(REGEX MATCH "^(.*):([A-Za-z0-9_]+)$" ok "${entry}")
+    set(header ${CMAKE_MATCH_1})
+    set(struct ${CMAKE_MATCH_2})
+    faceta_write(${dir}/${struct}_model.cpp
+      "#include \"${header}\"\n#include \"bsdf/reference.h\"\nFACETA_MATERIAL_REFERENCE(${struct}, ${M_NAMESPACE}::${struct})\n")
+    faceta_write(${dir}/${struct}_kernel.cpp
+      "#include \"${header}\"\n#include \"bsdf/kernel_impl.h\"\nFACETA_MATERIAL_KERNEL(${struct}, ${M_NAMESPACE}::${struct})\n")
+    list(APPEND models ${dir}/${struct}_model.cpp)
+    list(APPEND kernels ${dir}/${struct}_kernel.cpp)
+    string(APPEND declare_models "faceta::Model faceta_model_${struct}();\n")
+    string(APPEND declare_kernels "const faceta::MaterialKernel* faceta_kernel_${struct}();\n")
+    string(APPEND call_models "faceta_model_${struct}(), ")
+    string(APPEND call_kernels "faceta_kernel_${struct}(), ")
+    math(EXPR count "${count} + 1")
+  endforeach()
+  faceta_write(${dir}/models.cpp
+    "#include \"bsdf/registry.h\"\n${declare_models}namespace ${M_NAMESPACE} {\nstd::vector<faceta::Model> ${name}_models() { return {${call_models}}; }\n}\n")
+  set(render "nullptr")
+  if(M_EXTRA)
+    set(render "faceta_render_kernels()")
+    string(APPEND declare_kernels "const faceta::RenderKernels* faceta_render_kernels();\n")
+  endif()
+  faceta_write(${dir}/table.cpp
+    "#include \"bsdf/kernel.h\"\n${declare_kernels}extern \"C\" __attribute__((visibility(\"default\"))) const faceta::ModuleTable* faceta_module_table() {\n  static const faceta::MaterialKernel* const kernels[] = {${call_kernels}};\n  static const faceta::ModuleTable table{faceta::kModuleAbi, FACETA_LANE_WIDTH, FACETA_ISA_NAME, ${count}, kernels, ${render}};\n  return &table;\n}\n")
+
+  add_library(faceta_${name}_models STATIC ${models} ${dir}/models.cpp)
+  target_link_libraries(faceta_${name}_models PUBLIC faceta_bsdf Ceres::ceres)
+  foreach(isa ${FACETA_ISAS})
+    set(target faceta_${name}_${isa})
+    add_library(${target} MODULE ${kernels} ${dir}/table.cpp ${M_EXTRA})
+    target_include_directories(${target} PRIVATE ${CMAKE_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})
+    target_compile_options(${target} PRIVATE ${FACETA_FLAGS_${isa}} -DFACETA_ISA_NAME="${isa}"
+      -fvisibility=hidden -fvisibility-inlines-hidden -Wno-missing-field-initializers)
+    target_link_options(${target} PRIVATE -Wl,--version-script=${FACETA_MODULE_SCRIPT} -Wl,--no-undefined)
+    target_link_libraries(${target} PRIVATE ${M_LIBS})
+    set_target_properties(${target} PROPERTIES PREFIX "" OUTPUT_NAME ${name}_${isa}
+      LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/faceta)
+    set_property(GLOBAL APPEND PROPERTY FACETA_MODULE_TARGETS ${target})
+    add_dependencies(faceta_${name}_models ${target})
+  endforeach()
+endfunction()

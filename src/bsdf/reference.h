@@ -1,0 +1,121 @@
+#pragma once
+
+/// Builds the registry entry of a model: its descriptor and its double and Jet functions. Included
+/// once per model, by the translation units that cmake/Modules.cmake generates.
+
+#include "base/jet.h"
+#include "bsdf/model.h"
+#include "bsdf/registry.h"
+
+namespace faceta {
+
+template <template <class> class M> struct ReferenceOf {
+  using J = Jet<double, 8>;
+
+  static Model make() {
+    DescriptorBuilder<M<double>> builder;
+    M<double>::describe(builder);
+    Model model;
+    model.descriptor = std::move(builder.descriptor);
+    model.make_record = make_record;
+    model.eval = eval;
+    model.sample = sample;
+    model.eval_at = eval_at;
+    model.eval_jet = eval_jet;
+    return model;
+  }
+
+private:
+  static Record make_record(const std::vector<double>& slots, const std::vector<int32_t>& choices) {
+    M<double> m;
+    FieldPointers<M<double>, double> pointers(m);
+    M<double>::describe(pointers);
+    for (size_t i = 0; i < slots.size() && i < pointers.fields.size(); ++i)
+      if (pointers.fields[i])
+        *pointers.fields[i] = slots[i];
+    ChoiceSetter setter(m, choices);
+    M<double>::describe(setter);
+    Record record;
+    if constexpr (requires(PrepareOnce& p) { m.prepare_once(p); }) {
+      PrepareOnce context{record.tables};
+      m.prepare_once(context);
+    }
+    RecordWriter<M<double>> writer(m, record.slots, record.choices);
+    M<double>::describe(writer);
+    return record;
+  }
+  struct ChoiceSetter : FieldVisitor<ChoiceSetter, M<double>, double> {
+    const std::vector<int32_t>& values;
+    size_t next = 0;
+    ChoiceSetter(M<double>& m, const std::vector<int32_t>& v)
+        : FieldVisitor<ChoiceSetter, M<double>, double>(m), values(v) {}
+    void number_at(double&) {}
+    void choice_at(int& field) {
+      if (next < values.size())
+        field = values[next];
+      ++next;
+    }
+    void table_at(Table<double>&) {}
+  };
+
+  template <class T> static Vec3<T> convert(const Vec3<double>& v) {
+    return {T(v.x), T(v.y), T(v.z)};
+  }
+  template <class T> static Context<T> context(const ReferenceQuery& q) {
+    Context<T> c;
+    c.mode = q.mode;
+    c.uv = {T(q.uv.x), T(q.uv.y)};
+    return c;
+  }
+  static Eval<double> eval(const Record& record, const ReferenceQuery& q) {
+    return load_model<M, double>(record.args(), 0).eval(q.wo, q.wi, context<double>(q));
+  }
+  static Sample<double> sample(const Record& record, const Vec3<double>& wo,
+                               const Random<double>& random, TransportMode mode,
+                               Vec2<double> uv) {
+    Context<double> c{mode, uv};
+    return load_model<M, double>(record.args(), 0).sample(wo, random, c);
+  }
+  template <class T>
+  static M<T> load_with(const Record& record, const std::vector<double>& slots,
+                        const std::vector<int>& active) {
+    M<T> m;
+    MaterialArgs args = record.args();
+    RecordLoader<M<T>, T> loader(m, args, 0);
+    M<T>::describe(loader);
+    FieldPointers<M<T>, T> pointers(m);
+    M<T>::describe(pointers);
+    for (size_t i = 0; i < slots.size() && i < pointers.fields.size(); ++i)
+      if (pointers.fields[i])
+        *pointers.fields[i] = T(slots[i]);
+    if constexpr (!std::is_same_v<T, double>)
+      for (size_t k = 0; k < active.size(); ++k)
+        pointers.fields[active[k]]->v[static_cast<int>(k)] = 1.0;
+    if constexpr (requires { m.prepare(); })
+      m.prepare();
+    return m;
+  }
+  static Eval<double> eval_at(const Record& record, const std::vector<double>& slots,
+                              const ReferenceQuery& q) {
+    return load_with<double>(record, slots, {}).eval(q.wo, q.wi, context<double>(q));
+  }
+  static ReferenceJet eval_jet(const Record& record, const std::vector<double>& slots,
+                               const std::vector<int>& active, const ReferenceQuery& q) {
+    Eval<J> e = load_with<J>(record, slots, active)
+                    .eval(convert<J>(q.wo), convert<J>(q.wi), context<J>(q));
+    ReferenceJet r{};
+    for (int i = 0; i < 4; ++i) {
+      const J& j = i < 3 ? e.value[i] : e.pdf;
+      r.value[i] = j.a;
+      for (int k = 0; k < 8; ++k)
+        r.derivative[i][k] = j.v[k];
+    }
+    return r;
+  }
+};
+
+} // namespace faceta
+
+/// Defines `faceta::Model faceta_model_<symbol>()`.
+#define FACETA_MATERIAL_REFERENCE(symbol, Type)                                                    \
+  faceta::Model faceta_model_##symbol() { return faceta::ReferenceOf<Type>::make(); }

@@ -1,0 +1,141 @@
+#pragma once
+
+/// The registry: every model, its description, its double and Jet reference, and its kernels.
+
+#include "base/error.h"
+#include "bsdf/describe.h"
+#include "bsdf/kernel.h"
+
+#include <array>
+#include <map>
+#include <memory>
+#include <optional>
+
+namespace faceta {
+
+/// The instruction sets that kernels exist for.
+enum class Isa { scalar, v3, v4 };
+inline constexpr int kIsaCount = 3;
+inline constexpr const char* kIsaNames[] = {"scalar", "v3", "v4"};
+
+/// Whether this CPU can run it.
+bool isa_supported(Isa isa);
+/// The widest this CPU can run.
+Isa best_isa();
+/// "scalar", "v3" or "v4"; anything else is an Error.
+Isa parse_isa(const std::string& name);
+
+/// A prepared parameter set: what kernels and the reference read. slots/choices as the descriptor
+/// lays them out; table slots point into `tables`.
+struct Record {
+  std::vector<float> slots;
+  std::vector<int32_t> choices;
+  std::vector<float> tables;
+
+  /// Arguments for kernels running this one record.
+  MaterialArgs args(TransportMode mode = TransportMode::radiance) const;
+};
+
+/// One pair of directions for the reference functions, double precision.
+struct ReferenceQuery {
+  Vec3<double> wo, wi;
+  TransportMode mode = TransportMode::radiance;
+  Vec2<double> uv{0.5, 0.5};
+};
+
+/// value[3], pdf and their derivatives with respect to up to 8 slots.
+struct ReferenceJet {
+  double value[4];
+  double derivative[4][8];
+};
+
+struct Model {
+  Descriptor descriptor;
+  /// Record from the values of all declared slots (doubles, derived slots ignored) and choices:
+  /// runs prepare_once.
+  Record (*make_record)(const std::vector<double>& slots, const std::vector<int32_t>& choices);
+  Eval<double> (*eval)(const Record&, const ReferenceQuery&);
+  Sample<double> (*sample)(const Record&, const Vec3<double>& wo, const Random<double>&,
+                           TransportMode, Vec2<double> uv);
+  /// eval at slots + offset (offset may be empty: the record as it is), for central differences.
+  Eval<double> (*eval_at)(const Record&, const std::vector<double>& slots, const ReferenceQuery&);
+  /// Derivatives with respect to the slots listed in `active` (at most 8; table slots not allowed).
+  ReferenceJet (*eval_jet)(const Record&, const std::vector<double>& slots,
+                           const std::vector<int>& active, const ReferenceQuery&);
+  std::array<const MaterialKernel*, kIsaCount> kernels{}; ///< null where the CPU cannot run it
+
+  const std::string& name() const { return descriptor.name; }
+};
+
+/// All models known to a program.
+class Registry {
+public:
+  /// The built-in models with the kernels of every instruction set this CPU runs. Loaded once.
+  /// (Defined in the room materials/.)
+  static Registry& global();
+
+  /// Adds models and their kernels from <directory>/<module>_<isa>.so. A name twice is an Error.
+  void add(std::vector<Model> models, const std::string& directory, const std::string& module);
+
+  const std::vector<std::unique_ptr<Model>>& models() const { return models_; }
+  /// Null if unknown.
+  const Model* find(const std::string& name) const;
+  /// Throws an Error with a suggestion if unknown.
+  const Model& get(const std::string& name) const;
+  std::vector<std::string> names() const;
+  /// The renderer's kernels of an instruction set (from the built-in module).
+  const RenderKernels* render_kernels(Isa isa) const { return render_[static_cast<int>(isa)]; }
+
+private:
+  std::vector<std::unique_ptr<Model>> models_;
+  std::array<const RenderKernels*, kIsaCount> render_{};
+};
+
+/// The folder that holds the modules of the built-in library: $FACETA_MODULE_PATH, else lib/faceta
+/// or faceta beside the running library or program.
+std::string module_directory();
+
+/// A model with values for its parameters, by name: what scene files, the command line and tests
+/// build, before textures and tables. Errors carry the place given by the caller.
+class Parameters {
+public:
+  explicit Parameters(const Model& model);
+
+  const Model& model() const { return *model_; }
+  const Descriptor& descriptor() const { return model_->descriptor; }
+
+  /// Sets one from text as on the command line: a number, "r,g,b", a name (metal, ior, choice, flag).
+  void set(const std::string& name, const std::string& text, const SourcePosition& where = {});
+  void set_number(const std::string& name, double value, const SourcePosition& where = {});
+  void set_color(const std::string& name, const std::array<double, 3>& rgb,
+                 const SourcePosition& where = {});
+  /// Marks a parameter as given by a texture whose mean is `mean_rgb` (scalars: its mean channel).
+  void set_texture(const std::string& name, const std::array<double, 3>& mean_rgb,
+                   const SourcePosition& where = {});
+  /// Exclusive groups ("alpha" beside "alpha_u"; eta without k): an Error naming both.
+  void check(const SourcePosition& where = {}) const;
+
+  bool was_set(const std::string& name) const { return set_.count(name) != 0; }
+  const std::vector<double>& slots() const { return slots_; }
+  const std::vector<int32_t>& choices() const { return choices_; }
+  /// The name a parameter was given by ("Au", "bk7"), empty if by number.
+  std::string given_name(const std::string& param) const;
+  /// The value as text that set() reads back to the same numbers.
+  std::string text(const std::string& param) const;
+  Record record() const { return model_->make_record(slots_, choices_); }
+
+private:
+  const ParamInfo& info(const std::string& name, const SourcePosition& where) const;
+  void check_range(const ParamInfo& p, double value, const SourcePosition& where) const;
+  void assign(const ParamInfo& p, const std::vector<double>& values);
+
+  const Model* model_;
+  std::vector<double> slots_;
+  std::vector<int32_t> choices_;
+  std::map<std::string, std::string> set_; ///< parameters given, with the name they were given by
+};
+
+/// A model by name with "key=value" settings.
+Parameters make_parameters(const std::string& model, const Settings& settings);
+
+} // namespace faceta
