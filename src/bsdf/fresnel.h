@@ -1,0 +1,81 @@
+#pragma once
+
+/// Reflectance of smooth interfaces, exact (no Schlick), and refraction.
+
+#include "base/vec.h"
+#include "spectrum/color.h"
+
+namespace faceta {
+
+/// Unpolarised reflectance of a conductor with complex index eta + i k relative to the outside.
+/// cos_i in [0, 1]. Born and Wolf, Principles of Optics, 14.2; F = (r_s + r_p) / 2 over a common
+/// denominator, so that one division a channel is left.
+template <class T> FACETA_INLINE T fresnel_conductor(const T& cos_i, const T& eta, const T& k) {
+  T cos2 = cos_i * cos_i, sin2 = T(1) - cos2;
+  T eta2 = eta * eta, k2 = k * k;
+  T difference = eta2 - k2 - sin2;
+  T modulus = sqrt(fma(difference, difference, T(4) * eta2 * k2));
+  T a = safe_sqrt(T(0.5) * (modulus + difference));
+  T s_even = modulus + cos2, s_odd = T(2) * a * cos_i;
+  // The tiny summand keeps 0/0 away where eta = k = 0 at normal incidence.
+  T p_even = fma(cos2, modulus, fma(sin2, sin2, T(1e-30f))), p_odd = s_odd * sin2;
+  return (s_even - s_odd) * p_even / ((s_even + s_odd) * (p_even + p_odd));
+}
+template <class T>
+FACETA_INLINE Color<T> fresnel_conductor(const T& cos_i, const Color<T>& eta, const Color<T>& k) {
+  return eta.map(k, [&](const T& e, const T& c) { return fresnel_conductor(cos_i, e, c); });
+}
+
+/// What happens at a dielectric interface.
+template <class T> struct DielectricFresnel {
+  T reflectance;
+  T cos_t;  ///< cosine of the transmitted direction, sign opposite to cos_i; 0 if totally reflected
+  T eta_it; ///< index of the transmitted side over that of the incident side
+  T eta_ti; ///< its inverse
+};
+
+/// Unpolarised reflectance of a dielectric; eta > 0 is the index below the surface over the one
+/// above it. cos_i in [-1, 1]: positive above. Total internal reflection has reflectance 1.
+template <class T>
+FACETA_INLINE DielectricFresnel<T> fresnel_dielectric(const T& cos_i, const T& eta) {
+  auto above = cos_i >= T(0);
+  T inverse = T(1) / eta;
+  T eta_it = select(above, eta, inverse), eta_ti = select(above, inverse, eta);
+  T c = min(abs(cos_i), T(1));
+  // Snell's law without forming 1 - cos^2 or 1 - eta^2 by cancellation.
+  T t = eta_ti * safe_sqrt(fma(eta_it - T(1), eta_it + T(1), c * c));
+  T p = eta_it * t, q = eta_it * c;
+  T s_difference = c - p, s_sum = c + p, p_difference = t - q, p_sum = t + q;
+  T x = s_difference * p_sum, y = p_difference * s_sum, z = s_sum * p_sum;
+  T denominator = z * z;
+  auto regular = denominator > T(0);
+  T r = T(0.5) * fma(x, x, y * y) / select(regular, denominator, T(1));
+  r = select(regular, min(r, T(1)), T(1));
+  r = select(eta == T(1), T(0), r);
+  return {r, select(above, -t, t), eta_it, eta_ti};
+}
+
+/// Transmitted direction at a surface with normal z: Snell's law with the right ratio,
+/// (-eta_ti x, -eta_ti y, cos_t).
+template <class T> FACETA_INLINE Vec3<T> refract(const Vec3<T>& w, const DielectricFresnel<T>& f) {
+  return {-(f.eta_ti * w.x), -(f.eta_ti * w.y), f.cos_t};
+}
+/// Transmitted direction at a microfacet with unit normal m, f from fresnel_dielectric(w.m, eta).
+template <class T> FACETA_INLINE Vec3<T> refract(const Vec3<T>& w, const Vec3<T>& m, const T& cos_i,
+                                                 const DielectricFresnel<T>& f) {
+  return fma(m, fma(cos_i, f.eta_ti, f.cos_t), w * -f.eta_ti);
+}
+
+/// Mean reflectance of a dielectric under uniform diffuse illumination, eta = far side over near
+/// side. Polynomial fits as in the scene contract: Egan and Hilgeman 1973 below 1 (0.1 % for
+/// 1/eta <= 1.5, 9.5 % at 5), d'Eon and Irving 2011 from 1 on (0.2 % up to 10).
+template <class T> FACETA_INLINE T fresnel_diffuse_reflectance(const T& eta) {
+  T inverse = T(1) / eta;
+  T below = fma(T(0.0636), inverse, fma(eta, fma(eta, T(-1.4399), T(0.7099)), T(0.6681)));
+  T above = T(-1.36881);
+  for (double c : {4.98554, -7.80989, 6.75335, -3.4793, 0.919317})
+    above = fma(above, inverse, T(c));
+  return select(eta < T(1), below, above);
+}
+
+} // namespace faceta
