@@ -35,8 +35,8 @@ double angle_between(const Double3& a, const Double3& b) {
 }
 
 // Angle-weighted sums of face normals, one per vertex; not normalized.
-std::vector<double> sum_face_normals(const Mesh& mesh) {
-  std::vector<double> sums(mesh.positions.size(), 0.0);
+std::vector<Double3> sum_face_normals(const Mesh& mesh) {
+  std::vector<Double3> sums(mesh.vertex_count(), Double3{});
   for (uint32_t f = 0; f < mesh.triangle_count(); ++f) {
     Triangle tri = load_triangle(mesh, f);
     Double3 n = normalize(cross(sub(tri.p1, tri.p0), sub(tri.p2, tri.p0)));
@@ -45,18 +45,36 @@ std::vector<double> sum_face_normals(const Mesh& mesh) {
     const Double3* p[3] = {&tri.p0, &tri.p1, &tri.p2};
     for (int k = 0; k < 3; ++k) {
       double angle = angle_between(sub(*p[(k + 1) % 3], *p[k]), sub(*p[(k + 2) % 3], *p[k]));
-      double* sum = &sums[3 * size_t{mesh.indices[3 * size_t{f} + k]}];
-      for (int c = 0; c < 3; ++c)
-        sum[c] += angle * n[c];
+      Double3& sum = sums[mesh.indices[3 * size_t{f} + k]];
+      sum = add(sum, scale(n, angle));
     }
   }
   return sums;
 }
 
-void store_vertex_normal(Mesh& mesh, size_t i, const std::vector<double>& sums) {
-  Double3 sum = {sums[3 * i], sums[3 * i + 1], sums[3 * i + 2]};
-  // Opposing faces cancel up to rounding: below this the direction would be noise.
-  store3(mesh.normals, i, length(sum) > 1e-9 ? normalize(sum) : Double3{1, 0, 0});
+std::vector<Double3> mean_face_normals(const Mesh& mesh) {
+  std::vector<Double3> normals = sum_face_normals(mesh);
+  std::vector<uint32_t> unsettled;
+  for (uint32_t i = 0; i < normals.size(); ++i) {
+    // The faces of a sheet that is modelled twice, back to back, cancel up to rounding: below this
+    // length the direction would be noise.
+    bool settled = length(normals[i]) > 1e-9;
+    normals[i] = settled ? normalize(normals[i]) : Double3{1, 0, 0};
+    if (!settled)
+      unsettled.push_back(i);
+  }
+  if (unsettled.empty())
+    return normals;
+  // Such vertices take the side of their first face. Backwards, so that the first one stays.
+  for (uint32_t f = static_cast<uint32_t>(mesh.triangle_count()); f-- > 0;) {
+    Double3 n = face_normal(mesh, f);
+    for (int k = 0; k < 3 && dot(n, n) > 0; ++k) {
+      uint32_t i = mesh.indices[3 * size_t{f} + k];
+      if (std::binary_search(unsettled.begin(), unsettled.end(), i))
+        normals[i] = n;
+    }
+  }
+  return normals;
 }
 
 bool is_zero_normal(const Mesh& mesh, size_t i) {
@@ -71,10 +89,10 @@ void complete_vertex_normals(Mesh& mesh) {
     missing = is_zero_normal(mesh, i);
   if (!missing)
     return;
-  std::vector<double> sums = sum_face_normals(mesh);
+  std::vector<Double3> computed = mean_face_normals(mesh);
   for (size_t i = 0; i < mesh.vertex_count(); ++i)
     if (is_zero_normal(mesh, i))
-      store_vertex_normal(mesh, i, sums);
+      store3(mesh.normals, i, computed[i]);
 }
 
 // uv and its tangents from the vertices' uvs.
@@ -117,10 +135,10 @@ void transform(Mesh& mesh, const ToWorld& to_world) {
 }
 
 void compute_vertex_normals(Mesh& mesh) {
-  std::vector<double> sums = sum_face_normals(mesh);
+  std::vector<Double3> computed = mean_face_normals(mesh);
   mesh.normals.resize(mesh.positions.size());
   for (size_t i = 0; i < mesh.vertex_count(); ++i)
-    store_vertex_normal(mesh, i, sums);
+    store3(mesh.normals, i, computed[i]);
 }
 
 void place(Mesh& mesh, const ToWorld& to_world) {

@@ -37,7 +37,9 @@ void transform(Mesh& mesh, const ToWorld& to_world);
 
 /// Replaces all vertex normals by the mean of the adjacent face normals, weighted by the angle of
 /// each face at the vertex (Thürmer and Wüthrich, "Computing Vertex Normals from Polygonal Facets",
-/// JGT 3(1), 1998). A vertex without any proper face gets (1, 0, 0), as in Mitsuba 3.9.1.
+/// JGT 3(1), 1998). A vertex without any proper face gets (1, 0, 0), as in Mitsuba 3.9.1; one whose
+/// faces cancel (a sheet modelled from both sides) the normal of the first of them, where Mitsuba
+/// gives the direction of its rounding error.
 void compute_vertex_normals(Mesh& mesh);
 
 /// Brings a mesh into the world, in Mitsuba 3.9.1's order: transform(); then, with face_normals,

@@ -135,6 +135,15 @@ TEST(Mesh, DegenerateTrianglesAreHarmless) {
   EXPECT_EQ(mesh.normals[1], 0.0f);
 }
 
+TEST(Mesh, SheetsModelledTwiceKeepANormal) {
+  Mesh mesh = triangle(false, false, false);
+  mesh.indices = {0, 1, 2, 1, 0, 2};
+  Double3 n = face_normal(mesh, 0);
+  compute_vertex_normals(mesh);
+  for (size_t i = 0; i < mesh.normals.size(); ++i)
+    EXPECT_NEAR(mesh.normals[i], n[i % 3], 1e-7);
+}
+
 TEST(Mesh, FlatteningLeavesFiniteNormals) {
   Mesh mesh = tent();
   mesh.normals = {1, 0, 0, 0, 0, 1, .6f, 0, .8f, 1, 0, 0, 0, 1, 0};
