@@ -1,0 +1,193 @@
+#pragma once
+
+/// Microfacet surfaces: Beckmann and GGX (Trowbridge-Reitz) distributions of normals, anisotropic,
+/// with Smith's masking, and the sampling of all or of the visible normals.
+///
+/// Everything here takes directions above the surface (z > 0; transmission passes |z| by flipping
+/// the frame) and normals m of ANY length with m.z > 0: the half vector need not be normalised,
+/// which saves time and, at alpha = 0.001, the roundings that the distribution would blow up.
+
+#include "bsdf/beckmann_slope.h"
+#include "bsdf/bsdf.h"
+
+namespace faceta {
+
+enum Distribution : int { kBeckmann = 0, kGgx = 1 };
+
+/// The uniform (never per lane) properties of a microfacet surface.
+struct MicrofacetOptions {
+  int distribution = kBeckmann;
+  int sample_visible = 1;    ///< visible normals instead of all normals
+  int height_correlated = 0; ///< masking and shadowing correlated by height instead of separable
+  int bounded = 1;           ///< GGX reflection: sample only caps that can reflect upwards
+};
+
+/// Reflection without Fresnel: D G / (4 cos theta_o), |cos theta_i| included; its density; and the
+/// cosine between either direction and the half vector.
+template <class T> struct MicrofacetReflection {
+  T value, pdf, cos_h;
+};
+
+template <class T> struct Microfacet {
+  MicrofacetOptions options;
+  T alpha_u, alpha_v;
+
+  /// alpha: RMS slope along x and y, clamped to at least 1e-4 as in the scene contract.
+  FACETA_INLINE Microfacet(const MicrofacetOptions& o, const T& u, const T& v)
+      : options(o), alpha_u(max(u, T(1e-4))), alpha_v(max(v, T(1e-4))) {}
+
+  /// D(m): density of normals per solid angle, integral of D cos theta = 1.
+  FACETA_INLINE T density(const Vec3<T>& m) const {
+    T inverse = T(1) / (alpha_u * alpha_v);
+    T length2 = dot(m, m), scale = inverse * T(kInvPi);
+    T x = m.x * (inverse * alpha_v), y = m.y * (inverse * alpha_u);
+    if (options.distribution == kGgx)
+      return scale * sqr(length2 / max(fma(m.z, m.z, fma(x, x, y * y)), T(1e-37)));
+    T iz = T(1) / m.z;
+    x = x * iz;
+    y = y * iz;
+    // Beyond the bound the exponential is 0, and 0 * inf must not arise.
+    T secant2 = min(length2 * iz * iz, T(1e9));
+    return scale * sqr(secant2) * exp(-fma(x, x, y * y));
+  }
+
+  /// Smith's masking G1(w), the scene contract's: exact for GGX, Walter's rational fit (0.35 %) for
+  /// Beckmann. cos theta / projected_area(w) is the exact one of both.
+  FACETA_INLINE T masking(const Vec3<T>& w) const {
+    Ratio g = masking_ratio(w.z, roughness_towards(w));
+    return g.numerator / g.denominator;
+  }
+
+  /// Joint masking and shadowing of two directions above the surface.
+  FACETA_INLINE T masking_shadowing(const Vec3<T>& wo, const Vec3<T>& wi) const {
+    Ratio g = masking_ratio(wo, wi);
+    return g.numerator / g.denominator;
+  }
+
+  /// Projected area of the visible normals, cos theta (1 + Lambda), exact: the integral of
+  /// D(m) max(0, w.m) over all m.
+  FACETA_INLINE T projected_area(const Vec3<T>& w) const {
+    return projected_area(w.z, roughness_towards(w));
+  }
+
+  /// A normal distributed as D(m) cos theta_m. Any length. Walter et al. 2007, eqs. 28 and 35.
+  FACETA_INLINE Vec3<T> sample_all(const Vec2<T>& u) const {
+    T radius2 = options.distribution == kGgx ? u.x / (T(1) - u.x) : -log(T(1) - u.x);
+    T radius = sqrt(max(radius2, T(0)));
+    SinCos<T> phi = sincos(T(2 * kPi) * u.y);
+    return {alpha_u * radius * phi.cos, alpha_v * radius * phi.sin, T(1)};
+  }
+  FACETA_INLINE T pdf_all(const Vec3<T>& m) const { return density(m) * m.z / length(m); }
+
+  /// A normal distributed as D(m) max(0, wo.m) / projected_area(wo). Any length.
+  FACETA_INLINE Vec3<T> sample_visible(const Vec3<T>& wo, const Vec2<T>& u) const {
+    if (options.distribution == kGgx)
+      return sample_cap(wo, u, T(1));
+    T r = roughness_towards(wo);
+    auto tilted = r > T(0);
+    T inverse = T(1) / select(tilted, r, T(1));
+    T c = select(tilted, alpha_u * wo.x * inverse, T(1)), s = alpha_v * wo.y * inverse;
+    // Slopes of the unit surface along and across the direction of view (Heitz and d'Eon 2014).
+    T along = beckmann_visible_slope(wo.z * inverse, u.x);
+    T across = erfinv(max(fma(T(2), u.y, T(-1)), T(-0.9999999)));
+    return {alpha_u * fma(along, c, -(across * s)), alpha_v * fma(along, s, across * c), T(1)};
+  }
+  FACETA_INLINE T pdf_visible(const Vec3<T>& wo, const Vec3<T>& m) const {
+    return density(m) * max(dot(wo, m), T(0)) / (length(m) * projected_area(wo));
+  }
+
+  /// A normal by the chosen rule, and the density it has.
+  FACETA_INLINE Vec3<T> sample_normal(const Vec3<T>& wo, const Vec2<T>& u) const {
+    return options.sample_visible ? sample_visible(wo, u) : sample_all(u);
+  }
+  FACETA_INLINE T pdf_normal(const Vec3<T>& wo, const Vec3<T>& m) const {
+    return options.sample_visible ? pdf_visible(wo, m) : pdf_all(m);
+  }
+
+  /// Samples the direction that the chosen normals reflect wo to; may fall below the surface (a
+  /// failure, part of reflection()'s density).
+  FACETA_INLINE Vec3<T> sample_reflection(const Vec3<T>& wo, const Vec2<T>& u) const {
+    Vec3<T> m = options.sample_visible && options.distribution == kGgx
+                    ? sample_cap(wo, u, cap_bound(wo))
+                    : sample_normal(wo, u);
+    T scale = T(2) * dot(wo, m) / max(dot(m, m), T(1e-37));
+    return fma(m, scale, -wo);
+  }
+
+  /// Value and density of the reflection from wo to wi; all 0 unless both lie above the surface.
+  FACETA_INLINE MicrofacetReflection<T> reflection(const Vec3<T>& wo, const Vec3<T>& wi) const {
+    auto above = (wo.z > T(0)) & (wi.z > T(0));
+    Vec3<T> m = wo + wi;
+    T d = density(m), length2 = dot(m, m);
+    T ro = roughness_towards(wo);
+    Ratio g = masking_ratio(wo, wi);
+    T value = d * g.numerator / (T(4) * wo.z * g.denominator);
+    T pdf;
+    if (!options.sample_visible)
+      pdf = T(0.5) * d * m.z / length2; // wo.m = |m|^2 / 2
+    else if (options.distribution == kGgx)
+      pdf = T(0.5) * d / fma(cap_bound(wo), wo.z, sqrt(fma(wo.z, wo.z, ro * ro)));
+    else
+      pdf = T(0.25) * d / projected_area(wo.z, ro);
+    T cos_h = min(T(0.5) * sqrt(length2), T(1)); // free of the cancellation in wo.(wo + wi)
+    return {select(above, value, T(0)), select(above, pdf, T(0)), cos_h};
+  }
+
+private:
+  struct Ratio {
+    T numerator, denominator;
+  };
+
+  /// sqrt((alpha_u x)^2 + (alpha_v y)^2) = alpha sin theta of the stretched surface.
+  FACETA_INLINE T roughness_towards(const Vec3<T>& w) const {
+    return sqrt(fma(sqr(alpha_u), w.x * w.x, sqr(alpha_v) * (w.y * w.y)));
+  }
+  FACETA_INLINE T projected_area(const T& z, const T& r) const {
+    if (options.distribution == kGgx)
+      return T(0.5) * (z + sqrt(fma(z, z, r * r)));
+    T a = min(z / max(r, T(1e-30)), T(1e6));
+    return fma(T(0.5) * r, detail::ierfc(a), z);
+  }
+  FACETA_INLINE Ratio masking_ratio(const T& z, const T& r) const {
+    if (options.distribution == kGgx)
+      return {z, projected_area(z, r)};
+    auto flat = z >= T(1.6) * r; // in z and r instead of a = z / r: nothing to divide, no 0/0
+    T z2 = z * z, zr = z * r;
+    T numerator = fma(T(2.181), z2, T(3.535) * zr);
+    T denominator = fma(T(2.577), z2, fma(T(2.276), zr, r * r));
+    return {select(flat, T(1), numerator), select(flat, T(1), denominator)};
+  }
+  FACETA_INLINE Ratio masking_ratio(const Vec3<T>& wo, const Vec3<T>& wi) const {
+    T ro = roughness_towards(wo), ri = roughness_towards(wi);
+    if (options.height_correlated) { // 1 / (1 + Lambda_o + Lambda_i), both exact
+      T ao = projected_area(wo.z, ro), ai = projected_area(wi.z, ri);
+      T product = wo.z * wi.z;
+      return {product, fma(ao, wi.z, fma(ai, wo.z, -product))};
+    }
+    Ratio o = masking_ratio(wo.z, ro), i = masking_ratio(wi.z, ri);
+    return {o.numerator * i.numerator, o.denominator * i.denominator};
+  }
+
+  /// Spherical caps (Dupuy and Benyoub 2023): the visible normals of the stretched hemisphere are
+  /// half vectors with a uniform cap z > -bound * wo_std.z.
+  FACETA_INLINE Vec3<T> sample_cap(const Vec3<T>& wo, const Vec2<T>& u, const T& bound) const {
+    Vec3<T> v{alpha_u * wo.x, alpha_v * wo.y, wo.z};
+    v = v * (T(1) / sqrt(max(dot(v, v), T(1e-37))));
+    T depth = u.x * fma(bound, v.z, T(1)); // 1 - z, kept apart from z: sin^2 = depth (2 - depth)
+    T sine = safe_sqrt(depth * (T(2) - depth));
+    SinCos<T> phi = sincos(T(2 * kPi) * u.y);
+    return {alpha_u * fma(sine, phi.cos, v.x), alpha_v * fma(sine, phi.sin, v.y),
+            max(v.z + (T(1) - depth), T(0))};
+  }
+  /// The factor k by which reflection bounds the cap (Eto and Tokuyoshi 2023, anisotropic as in
+  /// Tokuyoshi and Eto 2024); 1: the whole cap.
+  FACETA_INLINE T cap_bound(const Vec3<T>& wo) const {
+    if (!options.bounded)
+      return T(1);
+    T a = min(min(alpha_u, alpha_v), T(1)), a2 = a * a;
+    T s = T(1) + sqrt(sin_theta_squared(wo)), s2 = s * s;
+    return (T(1) - a2) * s2 / fma(a2 * wo.z, wo.z, s2);
+  }
+};
+
+} // namespace faceta
