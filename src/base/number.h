@@ -33,7 +33,11 @@ template <class T> using UintOf = typename NumberTraits<T>::Uint;
 template <class T> inline constexpr int kWidthOf = NumberTraits<T>::kWidth;
 
 // select: the only branch on a lane.
-template <class T> FACETA_INLINE T select(bool mask, const T& a, const T& b) { return mask ? a : b; }
+template <class T>
+  requires std::is_scalar_v<T>
+FACETA_INLINE T select(bool mask, const T& a, const T& b) {
+  return mask ? a : b;
+}
 FACETA_INLINE float select(bool mask, float a, float b) { return mask ? a : b; }
 FACETA_INLINE double select(bool mask, double a, double b) { return mask ? a : b; }
 FACETA_INLINE int32_t select(bool mask, int32_t a, int32_t b) { return mask ? a : b; }
