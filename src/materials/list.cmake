@@ -2,5 +2,9 @@
 faceta_add_material_modules(builtin
   MATERIALS
     materials/diffuse.h:Diffuse
+    materials/orennayar.h:OrenNayar
+    materials/phong.h:Phong
+    materials/blinnphong.h:BlinnPhong
+    materials/ward.h:Ward
   EXTRA ${FACETA_RENDER_KERNELS}
   LIBS embree)
