@@ -149,7 +149,7 @@ TEST(XmlSource, SyntaxErrorsHavePlacesAndPlainWords) {
   auto refused = [](const std::string& text) { return error_of(text); };
   EXPECT_EQ(refused(""), "s.xml:1:1: error: no XML element found");
   EXPECT_HAS(refused("garbage"), "no XML element found");
-  EXPECT_HAS(refused("<scene version='3.0.0'>\n<a"), "s.xml:2:3: error: malformed start tag");
+  EXPECT_HAS(refused("<scene version='3.0.0'>\n<a"), "s.xml:2:2: error: malformed start tag");
   EXPECT_HAS(refused("<scene version='3.0.0'>\r\n \xC3\xA9</scen>"),
              "s.xml:2:5: error: an element is not closed by its own end tag");
   EXPECT_HAS(refused("<scene version='3.0.0' x></scene>"), "malformed attribute: write name=");
@@ -289,13 +289,17 @@ const char* kSeed = R"(<?xml version="1.0" encoding="utf-8"?>
 </scene>
 )";
 
-TEST(XmlHostile, MutatedScenesEndInSuccessOrAnError) {
-  ASSERT_NO_THROW(parse(kSeed));
-  const std::string seed = kSeed, bytes = "<>\"'/= $\\&;!-[]?0195.eE+:,\n\t\xC3\xFFxyz_";
+struct Outcome {
+  int good = 0, bad = 0;
+};
+
+/// Truncates, flips, erases, doubles and inserts bytes of `seed`, and reads the result.
+Outcome read_mutations(const std::string& seed, int rounds) {
+  const std::string bytes = "<>\"'/= $\\&;!-[]?0195.eE+:,\n\t\xC3\xFFxyz_";
   std::mt19937 random(7);
   auto below = [&](size_t n) { return static_cast<size_t>(random() % n); };
-  int good = 0, bad = 0;
-  for (int round = 0; round < 6000; ++round) {
+  Outcome outcome;
+  for (int round = 0; round < rounds; ++round) {
     std::string text = seed;
     if (round % 4 == 0)
       text.resize(below(text.size()));
@@ -319,19 +323,34 @@ TEST(XmlHostile, MutatedScenesEndInSuccessOrAnError) {
       }
     }
     try {
-      NodePtr root = parse(text);
-      std::string written = write_xml(*root);
+      std::string written = write_xml(*parse(text));
       EXPECT_EQ(write_xml(*parse(written)), written);
-      ++good;
+      ++outcome.good;
     } catch (const Error& error) {
       EXPECT_FALSE(error.message().empty());
       EXPECT_EQ(error.where().file, "s.xml");
       EXPECT_GE(error.where().line, 1) << error.what();
-      ++bad;
+      ++outcome.bad;
     }
   }
-  EXPECT_GT(good, 100);
-  EXPECT_GT(bad, 1000);
+  return outcome;
+}
+
+TEST(XmlHostile, MutatedScenesEndInSuccessOrAnError) {
+  ASSERT_NO_THROW(parse(kSeed));
+  Outcome outcome = read_mutations(kSeed, 6000);
+  EXPECT_GT(outcome.good, 100);
+  EXPECT_GT(outcome.bad, 1000);
+}
+
+TEST(XmlSharedData, MutatedSceneEndsInSuccessOrAnError) {
+  std::ifstream file(fs::path(FACETA_SHARED_DATA) / "scenes/rgl-teapot/scene_v3.xml");
+  if (!file)
+    GTEST_SKIP() << "no scene collection beside the repository";
+  std::string seed((std::istreambuf_iterator<char>(file)), {});
+  Outcome outcome = read_mutations(seed, 2000);
+  EXPECT_GT(outcome.good, 50);
+  EXPECT_GT(outcome.bad, 500);
 }
 
 // Refused by Mitsuba 3.9.1 as well: fragments to be included, files in need of a -D, one that is
