@@ -1,6 +1,7 @@
 #include "formats/xml_source.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>

@@ -2,8 +2,8 @@
 
 #include "formats/xml_source.h"
 
+#include <algorithm>
 #include <charconv>
-#include <clocale>
 #include <cmath>
 #include <cstdlib>
 #include <fmt/format.h>
