@@ -31,13 +31,15 @@ Bytes read_file(const std::filesystem::path& path);
 /// is no regular file (a pipe, /dev/null) is written to directly.
 void write_file(const std::filesystem::path& path, View bytes);
 
+/// Reads whatever format the first bytes say. `name` is the file's, for messages.
+Decoded decode(View file, const std::string& name);
+
 bool is_exr(View file);
 bool is_png(View file);
 bool is_jpeg(View file);
 bool is_hdr(View file);
 bool is_pfm(View file);
 
-// `name` is the file's, for messages.
 Decoded read_exr(View file, const std::string& name);
 Decoded read_png(View file, const std::string& name);
 Decoded read_jpeg(View file, const std::string& name);

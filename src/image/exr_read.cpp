@@ -21,6 +21,7 @@
 #include <OpenEXR/ImfVecAttribute.h>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <fmt/format.h>
 #include <set>
@@ -286,6 +287,25 @@ void read_part(Imf::MultiPartInputFile& in, int index, const PartChannels& names
           bytes);
 }
 
+/// "R", "G", "B" of a file whose primaries are those of XYZ are X, Y, Z.
+void rename_xyz(Decoded& out) {
+  const auto it = out.metadata.find("chromaticities");
+  const Chromaticities xyz{{1, 0}, {0, 1}, {0, 0}, {1 / 3.0f, 1 / 3.0f}};
+  const auto near = [](const std::array<float, 2>& a, const std::array<float, 2>& b) {
+    return std::abs(a[0] - b[0]) < 1e-3f && std::abs(a[1] - b[1]) < 1e-3f;
+  };
+  if (it == out.metadata.end())
+    return;
+  const auto* c = std::get_if<Chromaticities>(&it->second);
+  if (c == nullptr || !near(c->red, xyz.red) || !near(c->green, xyz.green) ||
+      !near(c->blue, xyz.blue) || !near(c->white, xyz.white))
+    return;
+  auto& names = out.bitmap.channel_names;
+  if (names.size() < 3 || names[0] != "R" || names[1] != "G" || names[2] != "B")
+    return;
+  std::copy_n(std::array{"X", "Y", "Z"}.begin(), 3, names.begin());
+}
+
 Decoded decode_parts(View file, const std::string& name) {
   MemoryInput stream(file, name);
   Imf::MultiPartInputFile in(stream, 0, false);
@@ -323,7 +343,9 @@ Decoded decode_parts(View file, const std::string& name) {
 Decoded read_exr(View file, const std::string& name) {
   check_exr_headers(file, name);
   try {
-    return decode_parts(file, name);
+    Decoded out = decode_parts(file, name);
+    rename_xyz(out);
+    return out;
   } catch (const Error&) {
     throw;
   } catch (const std::exception& e) {

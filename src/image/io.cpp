@@ -35,24 +35,8 @@ bool is_alpha(const std::string& name) {
   return name == "A" || name.ends_with(".A");
 }
 
-codec::Decoded decode(const fs::path& path) {
-  const codec::Bytes bytes = codec::read_file(path);
-  const codec::View file(bytes);
-  const std::string name = path.string();
-  if (file.empty())
-    throw Error("the file is empty", {name}, "an image was expected");
-  if (codec::is_exr(file))
-    return codec::read_exr(file, name);
-  if (codec::is_png(file))
-    return codec::read_png(file, name);
-  if (codec::is_jpeg(file))
-    return codec::read_jpeg(file, name);
-  if (codec::is_hdr(file))
-    return codec::read_hdr(file, name);
-  if (codec::is_pfm(file))
-    return codec::read_pfm(file, name);
-  throw Error("not an image of a known format", {name},
-              "known by their first bytes: OpenEXR, PNG, JPEG, Radiance HDR, PFM");
+codec::Decoded load(const fs::path& path) {
+  return codec::decode(codec::read_file(path), path.string());
 }
 
 /// Turns stored integers into linear floats by a table: 256 or 65536 entries, instead of a power
@@ -104,6 +88,23 @@ codec::Bytes codec::read_file(const fs::path& path) {
   if (std::fread(bytes.data(), 1, bytes.size(), file.get()) != bytes.size())
     throw Error("cannot read the file: " + reason(), {name});
   return bytes;
+}
+
+codec::Decoded codec::decode(View file, const std::string& name) {
+  if (file.empty())
+    throw Error("the file is empty", {name}, "an image was expected");
+  if (is_exr(file))
+    return read_exr(file, name);
+  if (is_png(file))
+    return read_png(file, name);
+  if (is_jpeg(file))
+    return read_jpeg(file, name);
+  if (is_hdr(file))
+    return read_hdr(file, name);
+  if (is_pfm(file))
+    return read_pfm(file, name);
+  throw Error("not an image of a known format", {name},
+              "known by their first bytes: OpenEXR, PNG, JPEG, Radiance HDR, PFM");
 }
 
 void codec::write_file(const fs::path& path, View bytes) {
@@ -182,11 +183,11 @@ float Bitmap::linear(int x, int y, int channel) const {
 }
 
 Bitmap read_bitmap(const fs::path& path) {
-  return decode(path).bitmap;
+  return load(path).bitmap;
 }
 
 Image read_image(const fs::path& path) {
-  codec::Decoded in = decode(path);
+  codec::Decoded in = load(path);
   const Bitmap& bitmap = in.bitmap;
   Image out;
   out.width = bitmap.width, out.height = bitmap.height;

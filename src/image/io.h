@@ -17,6 +17,9 @@ namespace faceta {
 /// values are multiplied by |scale|; EXPOSURE of a Radiance file goes to the metadata, unapplied
 /// (Mitsuba and OpenImageIO do the same in both cases).
 ///
+/// EXR values stay in the primaries of the file, which the metadata name ("chromaticities"); R, G,
+/// B of a file with the primaries of XYZ are called X, Y, Z.
+///
 /// Error with the file's name: missing, unknown, malformed, truncated, too large, deep data,
 /// sub-sampled channels (but for luminance-chroma), CMYK.
 Image read_image(const std::filesystem::path& path);
