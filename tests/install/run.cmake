@@ -27,6 +27,10 @@ run(text ${CMAKE_COMMAND} -S ${CONSUMER} -B ${work}/build -G ${GENERATOR}
 run(text ${CMAKE_COMMAND} --build ${work}/build)
 
 run(text ${work}/build/consumer)
-expect("${text}" "scene.xml:3:7: error: unknown property (did you mean 'int_ior'?")
+# Lambert: value = reflectance / pi * 0.8, pdf = 0.8 / pi.
+foreach(way double lanes)
+  expect("${text}" "${way}: 0.06366 0.12732 0.25465, pdf 0.25465")
+endforeach()
+expect("${text}" "error: unknown material 'difuse' (did you mean 'diffuse'?")
 run(text ${prefix}/${BINDIR}/faceta --version)
 expect("${text}" "${VERSION}")

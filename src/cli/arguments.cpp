@@ -1,0 +1,270 @@
+#include "cli/arguments.h"
+
+#include "cli/commands.h"
+#include "cli/render_command.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+namespace faceta::cli {
+
+namespace {
+
+/// Splits at the separator; a piece may be empty.
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts(1);
+  for (char c : text)
+    if (c == separator)
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  return parts;
+}
+
+/// "640x480", "0,0,64,64": exactly n whole numbers, the last two positive.
+template <size_t n>
+std::array<int, n> whole_numbers(const std::string& text, char separator, const char* form) {
+  std::vector<std::string> parts = split(text, separator);
+  std::array<int, n> values{};
+  bool good = parts.size() == n;
+  for (size_t i = 0; good && i < n; ++i)
+    good = CLI::detail::lexical_cast(parts[i], values[i]) && values[i] >= (i + 2 >= n ? 1 : 0);
+  if (!good)
+    throw CLI::ValidationError("'" + text + "' is not of the form " + form);
+  return values;
+}
+
+Settings settings_of(const std::vector<std::string>& words) {
+  Settings settings;
+  for (const std::string& word : words) {
+    size_t sign = word.find('=');
+    if (sign == std::string::npos || sign == 0)
+      throw CLI::ValidationError("'" + word + "' is not of the form name=value");
+    settings.emplace_back(word.substr(0, sign), word.substr(sign + 1));
+  }
+  return settings;
+}
+
+CLI::Option* add_isa(CLI::App& app, std::optional<Isa>& isa) {
+  return app
+      .add_option_function<std::string>(
+          "--isa", [&isa](const std::string& name) { isa = parse_isa(name); },
+          "instruction set: scalar, v3 or v4 (default: the best of this CPU; same results)")
+      ->check(CLI::IsMember({"scalar", "v3", "v4"}))
+      ->type_name("SET");
+}
+
+CLI::Option* add_defines(CLI::App& app, Settings& defines) {
+  return app
+      .add_option_function<std::vector<std::string>>(
+          "-D", [&defines](const std::vector<std::string>& words) { defines = settings_of(words); },
+          "value of $NAME in the scene file; may come several times")
+      ->allow_extra_args(false)
+      ->type_name("NAME=VALUE");
+}
+
+void add_materials(CLI::App& app, Action& action) {
+  auto options = std::make_shared<MaterialsOptions>();
+  CLI::App* sub = app.add_subcommand("materials", "List the materials, or describe one");
+  sub->add_option("name", options->name, "the material to describe")->type_name("MATERIAL");
+  auto* markdown = sub->add_flag("--markdown", options->markdown, "as Markdown");
+  sub->add_flag("--json", options->json, "as JSON")->excludes(markdown);
+  sub->callback([=, &action] { action = [=] { return run_materials(*options); }; });
+}
+
+void add_table(CLI::App& app, Action& action, bool sample) {
+  auto options = std::make_shared<TableOptions>();
+  auto settings = std::make_shared<std::vector<std::string>>();
+  options->sample = sample;
+  CLI::App* sub =
+      sample ? app.add_subcommand("sample", "Sample directions of a material, from CSV to CSV")
+             : app.add_subcommand("eval", "Evaluate a material for directions, from CSV to CSV");
+  sub->footer(
+      sample
+          ? "In:  wo_x,wo_y,wo_z,u1,u2,uc and optionally u,v (0.5), by the header, in any order.\n"
+            "Out: the same and wi_x,wi_y,wi_z,weight_r,weight_g,weight_b,pdf,lobe,delta.\n"
+            "lobe is reflection, transmission or null; a failed sample has the lobe none and\n"
+            "zeros. The pdf of a delta is its discrete probability."
+          : "In:  wo_x,wo_y,wo_z,wi_x,wi_y,wi_z and optionally u,v (0.5), by the header, in any\n"
+            "     order; local frame, unit length, wo towards the viewer, wi towards the light.\n"
+            "Out: the same and value_r,value_g,value_b,pdf; values include |cos theta_i|.");
+  sub->add_option("material", options->material, "a name that `faceta materials` lists")
+      ->type_name("MATERIAL");
+  sub->add_option("settings", *settings, "its parameters: alpha=0.2 material=Au reflectance=1,0,0")
+      ->type_name("NAME=VALUE");
+  auto* scene = sub->add_option("--scene", options->scene, "take the material from a scene file")
+                    ->type_name("FILE");
+  auto* id = sub->add_option("--id", options->id, "id of the material in the scene file")
+                 ->needs(scene)
+                 ->type_name("ID");
+  scene->needs(id);
+  add_defines(*sub, options->defines)->needs(scene);
+  sub->add_option("-i,--input", options->input, "table of directions; - is standard input")
+      ->capture_default_str()
+      ->type_name("FILE");
+  sub->add_option("-o,--output", options->output, "table of results; - is standard output")
+      ->capture_default_str()
+      ->type_name("FILE");
+  sub->add_option_function<std::string>(
+         "--mode",
+         [options](const std::string& mode) {
+           options->mode =
+               mode == "importance" ? TransportMode::importance : TransportMode::radiance;
+         },
+         "what travels: radiance (default) or importance")
+      ->check(CLI::IsMember({"radiance", "importance"}))
+      ->type_name("MODE");
+  add_isa(*sub, options->isa);
+  sub->callback([=, &action] {
+    if (options->material.empty() == options->scene.empty())
+      throw CLI::ValidationError("give either a material or --scene and --id");
+    options->settings = settings_of(*settings);
+    action = [=] { return run_table(*options); };
+  });
+}
+
+void add_diff(CLI::App& app, Action& action) {
+  auto options = std::make_shared<DiffOptions>();
+  CLI::App* sub = app.add_subcommand("diff", "Compare an image with a reference");
+  sub->footer("Exit code 1 if the z-test fails; without --variance nothing can fail.");
+  sub->add_option("image", options->image, "the image")->required()->type_name("IMAGE");
+  sub->add_option("reference", options->reference, "what it should be")
+      ->required()
+      ->type_name("REFERENCE");
+  auto* variance = sub->add_option("--variance", options->variance,
+                                   "variance of one sample (Mitsuba's tests): do the z-test")
+                       ->type_name("FILE");
+  sub->add_option("--spp", options->spp, "samples per pixel of the image (default: its metadata)")
+      ->check(CLI::PositiveNumber)
+      ->needs(variance)
+      ->type_name("N");
+  sub->add_option("--reference-spp", options->reference_spp,
+                  "those of the reference, for the z of the mean (default: it is exact)")
+      ->check(CLI::PositiveNumber)
+      ->needs(variance)
+      ->type_name("N");
+  sub->add_flag("--json", options->json, "as JSON");
+  sub->callback([=, &action] { action = [=] { return run_diff(*options); }; });
+}
+
+void add_info(CLI::App& app, Action& action) {
+  auto options = std::make_shared<InfoOptions>();
+  CLI::App* sub = app.add_subcommand("info", "What is in an image file, or what this CPU can run");
+  sub->add_option("files", options->files, "images")->type_name("FILE");
+  sub->add_flag("--cpu", options->cpu, "the CPU, its instruction sets, the modules found");
+  sub->add_flag("--json", options->json, "as JSON");
+  sub->callback([=, &action] {
+    if (options->files.empty() && !options->cpu)
+      throw CLI::ValidationError("give a file or --cpu");
+    action = [=] { return run_info(*options); };
+  });
+}
+
+void add_sampling_options(CLI::App& sub, RenderOptions& options) {
+  sub.add_option("--spp", options.spp, "samples per pixel")
+      ->check(CLI::Range(1, 1 << 30))
+      ->type_name("N");
+  sub.add_option("--seed", options.seed, "number that all random numbers come from")
+      ->type_name("N");
+  sub.add_option("--sampler", options.sampler, "independent or sobol")
+      ->check(CLI::IsMember({"independent", "sobol"}))
+      ->type_name("NAME");
+  sub.add_option("--threads", options.threads, "how many (default: all; same picture)")
+      ->check(CLI::Range(1, 4096))
+      ->type_name("N");
+  add_isa(sub, options.isa);
+}
+
+void add_picture_options(CLI::App& sub, RenderOptions& options) {
+  sub.add_option("-o,--output", options.outputs,
+                 "picture: .exr, .png, .pfm or .hdr; may come several times")
+      ->allow_extra_args(false)
+      ->type_name("FILE");
+  sub.add_option_function<std::string>(
+         "--size",
+         [&options](const std::string& text) { options.size = whole_numbers<2>(text, 'x', "WxH"); },
+         "width and height in pixels")
+      ->type_name("WxH");
+  sub.add_option("--exposure", options.exposure, "stops, for PNG")
+      ->check(CLI::Range(-100.0, 100.0))
+      ->type_name("STOPS");
+  sub.add_flag("--float", options.full_floats, "EXR with 32 bits a value, not 16");
+  auto* quiet =
+      sub.add_flag_callback("-q,--quiet", [&options] { options.verbosity = -1; }, "only errors");
+  sub.add_flag_callback(
+         "-v,--verbose", [&options] { options.verbosity = 1; }, "tell more")
+      ->excludes(quiet);
+}
+
+void add_render(CLI::App& app, Action& action) {
+  auto options = std::make_shared<RenderOptions>();
+  CLI::App* sub = app.add_subcommand("render", "Render a Mitsuba 3 scene file");
+  sub->footer("Without -o the picture is NAME.exr beside the scene NAME.xml.");
+  sub->add_option("scene", options->scene, "the scene file")->required()->type_name("SCENE");
+  add_picture_options(*sub, *options);
+  sub->add_option_function<std::string>(
+         "--crop",
+         [options](const std::string& text) {
+           options->crop = whole_numbers<4>(text, ',', "X,Y,W,H");
+         },
+         "only this part of the picture")
+      ->type_name("X,Y,W,H");
+  add_sampling_options(*sub, *options);
+  sub->add_option("-s,--sensor", options->sensor, "which sensor, from 0")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str()
+      ->type_name("SENSOR");
+  add_defines(*sub, options->defines);
+  sub->add_flag("--permissive", options->permissive,
+                "warn of properties that nothing knows instead of ending in an error");
+  sub->callback([=, &action] {
+    if (options->outputs.empty())
+      options->outputs = {std::filesystem::path(options->scene).replace_extension(".exr")};
+    action = [=] { return run_render(*options); };
+  });
+}
+
+void add_gallery(CLI::App& app, Action& action) {
+  auto options = std::make_shared<RenderOptions>();
+  CLI::App* sub = app.add_subcommand("gallery", "Render the contact sheet of all materials");
+  sub->footer("Without -o the picture is gallery.png.");
+  add_picture_options(*sub, *options);
+  add_sampling_options(*sub, *options);
+  sub->callback([=, &action] {
+    if (options->outputs.empty())
+      options->outputs = {"gallery.png"};
+    action = [=] { return run_gallery(*options); };
+  });
+}
+
+} // namespace
+
+Action parse_arguments(int argc, char** argv) {
+  Action action;
+  CLI::App app(
+      "Faceta: surface scattering models, a path tracer that renders Mitsuba 3 scenes with "
+      "them, and the tests that hold both to mathematics.",
+      "faceta");
+  app.set_version_flag("--version", "faceta " FACETA_VERSION);
+  app.footer("Exit codes: 0 good, 1 a comparison says no, 2 wrong arguments, 3 bad input or I/O.\n"
+             "faceta COMMAND --help tells more.");
+  app.require_subcommand(1);
+  add_render(app, action);
+  add_gallery(app, action);
+  add_materials(app, action);
+  add_table(app, action, false);
+  add_table(app, action, true);
+  add_diff(app, action);
+  add_info(app, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    int code = app.exit(error) == 0 ? kOk : kUsage;
+    return [code] { return code; };
+  }
+  return action;
+}
+
+} // namespace faceta::cli

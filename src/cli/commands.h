@@ -1,0 +1,55 @@
+#pragma once
+
+/// The sub-commands: each takes its parsed arguments, writes data to the standard output and
+/// messages to the standard error, and returns an exit code. Bad input is an Error.
+
+#include "bsdf/registry.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace faceta::cli {
+
+/// Exit codes of the program.
+enum ExitCode : int {
+  kOk = 0,
+  kCheckFailed = 1, ///< a comparison says no
+  kUsage = 2,       ///< arguments that make no sense
+  kInputError = 3   ///< bad input, failed reading or writing
+};
+
+struct MaterialsOptions {
+  std::string name; ///< empty: all
+  bool markdown = false, json = false;
+};
+int run_materials(const MaterialsOptions& options);
+
+/// `eval` and `sample`.
+struct TableOptions {
+  bool sample = false;
+  std::string material; ///< empty: `id` of `scene`
+  Settings settings;    ///< of `material`
+  std::string scene, id;
+  Settings defines; ///< of `scene`
+  std::string input = "-", output = "-";
+  TransportMode mode = TransportMode::radiance;
+  std::optional<Isa> isa; ///< nothing: the best
+};
+int run_table(const TableOptions& options);
+
+struct DiffOptions {
+  std::string image, reference;
+  std::string variance; ///< empty: no test
+  std::optional<double> spp, reference_spp;
+  bool json = false;
+};
+int run_diff(const DiffOptions& options);
+
+struct InfoOptions {
+  std::vector<std::string> files;
+  bool cpu = false, json = false;
+};
+int run_info(const InfoOptions& options);
+
+} // namespace faceta::cli

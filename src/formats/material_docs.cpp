@@ -1,0 +1,354 @@
+#include "formats/material_docs.h"
+
+#include "spectrum/ior.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+namespace faceta {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string number(double value) {
+  if (std::isinf(value))
+    return value > 0 ? "inf" : "-inf";
+  // Defaults are meant as written in the source: a float's digits are enough.
+  char buffer[40];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, static_cast<float>(value)).ptr};
+}
+
+bool is_color(const ParamInfo& p) {
+  return p.kind == ParamKind::reflectance || p.kind == ParamKind::spectrum;
+}
+
+std::string join(const std::vector<std::string>& words, const char* between) {
+  std::string text;
+  for (const std::string& word : words)
+    text += (text.empty() ? "" : between) + word;
+  return text;
+}
+
+bool excludes(const ParamInfo& p, const std::string& name) {
+  std::string list = "," + p.excludes + ",";
+  return list.find("," + name + ",") != std::string::npos;
+}
+
+/// The parameter that `p` can be given instead of: alpha for alpha_u, material for eta.
+const ParamInfo* instead_of(const Descriptor& d, const ParamInfo& p) {
+  for (const ParamInfo& q : d.params)
+    if ((q.kind == ParamKind::metal || q.kind == ParamKind::roughness) && excludes(q, p.name))
+      return &q;
+  return nullptr;
+}
+
+std::string numbers(const std::vector<double>& values, const char* between) {
+  std::vector<std::string> texts;
+  for (double v : values)
+    texts.push_back(number(v));
+  if (std::all_of(texts.begin(), texts.end(), [&](auto& t) { return t == texts[0]; }))
+    texts.resize(1);
+  return join(texts, between);
+}
+
+std::string default_text(const Descriptor& d, const ParamInfo& p) {
+  if (p.choice >= 0)
+    return p.choices[static_cast<size_t>(p.defaults[0])];
+  if (!p.default_name.empty() && !p.defaults.empty())
+    return p.default_name + " (" + number(p.defaults[0]) + ")";
+  if (!p.default_name.empty())
+    return p.default_name;
+  if (const ParamInfo* q = instead_of(d, p))
+    return q->kind == ParamKind::metal ? "of " + q->default_name : numbers(p.defaults, ",");
+  return numbers(p.defaults, ",");
+}
+
+std::string range_text(const ParamInfo& p) {
+  if (p.kind == ParamKind::metal)
+    return fmt::format("a name of {}", conductor_names().size());
+  if (p.choice >= 0)
+    return join(p.choices, " | ");
+  std::string low = std::isinf(p.hard.low) ? "(-inf" : "[" + number(p.hard.low);
+  std::string high = std::isinf(p.hard.high) ? "inf)" : number(p.hard.high) + "]";
+  std::string text = low + ", " + high;
+  return p.kind == ParamKind::ior ? text + " or a name" : text;
+}
+
+const char* kind_text(const ParamInfo& p) {
+  switch (p.kind) {
+  case ParamKind::reflectance:
+  case ParamKind::spectrum:
+    return "colour";
+  case ParamKind::scalar:
+  case ParamKind::number:
+  case ParamKind::roughness:
+    return "number";
+  case ParamKind::ior:
+    return "index of refraction";
+  case ParamKind::choice:
+    return "word";
+  case ParamKind::flag:
+    return "flag";
+  case ParamKind::metal:
+    return "metal";
+  }
+  return "";
+}
+
+std::string settings_text(const Settings& settings) {
+  std::vector<std::string> words;
+  for (const auto& [key, value] : settings)
+    words.push_back(key + "=" + value);
+  return words.empty() ? "defaults" : join(words, " ");
+}
+
+std::string lobes_text(const Traits& t) {
+  std::vector<std::string> words;
+  if (t.lobes & kReflection)
+    words.push_back("reflection");
+  if (t.lobes & kTransmission)
+    words.push_back("transmission");
+  if (t.lobes & kNullLobe)
+    words.push_back("null");
+  std::string text = join(words, ", ");
+  if (t.delta)
+    text += ", all delta";
+  else if (t.has_delta)
+    text += ", some delta";
+  return text;
+}
+
+std::string xml_escape(const std::string& text) {
+  std::string out;
+  for (char c : text)
+    switch (c) {
+    case '&':
+      out += "&amp;";
+      break;
+    case '<':
+      out += "&lt;";
+      break;
+    case '"':
+      out += "&quot;";
+      break;
+    default:
+      out += c;
+    }
+  return out;
+}
+
+std::string xml_element(const ParamInfo& p) {
+  std::string tag = "float", value;
+  if (p.kind == ParamKind::flag || p.kind == ParamKind::choice) {
+    tag = p.kind == ParamKind::flag ? "boolean" : "string";
+    value = p.choices[static_cast<size_t>(p.defaults[0])];
+  } else if (!p.default_name.empty()) {
+    tag = "string";
+    value = p.default_name;
+  } else if (is_color(p)) {
+    tag = "rgb";
+    value = numbers(p.defaults, ", ");
+  } else {
+    value = number(p.defaults[0]);
+  }
+  return fmt::format("<{} name=\"{}\" value=\"{}\"/>", tag, p.name, xml_escape(value));
+}
+
+/// A cell of a Markdown table.
+std::string cell(std::string text) {
+  for (size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2)
+    text.insert(at, "\\");
+  return text;
+}
+
+/// Columns padded to their widest cell, indented by two spaces; the last one is not padded.
+std::string aligned(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<size_t> widths;
+  for (const auto& row : rows)
+    for (size_t i = 0; i < row.size(); ++i) {
+      widths.resize(std::max(widths.size(), i + 1));
+      widths[i] = std::max(widths[i], row[i].size());
+    }
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line = " ";
+    for (size_t i = 0; i < row.size(); ++i)
+      line += " " + (i + 1 < row.size() ? fmt::format("{:<{}} ", row[i], widths[i]) : row[i]);
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
+  }
+  return text;
+}
+
+std::vector<std::vector<std::string>> parameter_rows(const Descriptor& d) {
+  std::vector<std::vector<std::string>> rows = {
+      {"name", "kind", "default", "range", "unit", "texture", "meaning"}};
+  for (const ParamInfo& p : d.params)
+    rows.push_back({p.name, kind_text(p), default_text(d, p), range_text(p), p.unit,
+                    p.textured ? "yes" : "", p.doc});
+  return rows;
+}
+
+std::string list_section(const char* title, const std::vector<std::string>& lines,
+                         const char* bullet) {
+  if (lines.empty())
+    return {};
+  std::string text = fmt::format("\n{}\n", title);
+  for (const std::string& line : lines)
+    text += bullet + line + "\n";
+  return text;
+}
+
+std::vector<std::string> exceptions(const Descriptor& d) {
+  std::vector<std::string> lines;
+  for (const Excuse& e : d.excuses)
+    lines.push_back(e.property + ": " + e.reason);
+  return lines;
+}
+
+Json parameter_json(const Descriptor& d, const ParamInfo& p) {
+  const auto bound = [](double value) { return std::isinf(value) ? Json() : Json(value); };
+  Json j = {{"name", p.name}, {"kind", kind_text(p)}, {"meaning", p.doc}, {"unit", p.unit}};
+  j["default"] = default_text(d, p);
+  if (p.choice >= 0)
+    j["words"] = p.choices;
+  else if (!p.defaults.empty())
+    j["numbers"] = p.defaults;
+  if (p.slot >= 0) {
+    j["range"] = {bound(p.hard.low), bound(p.hard.high)};
+    j["usual_range"] = {bound(p.soft.low), bound(p.soft.high)};
+  }
+  j["texture"] = p.textured;
+  if (const ParamInfo* q = instead_of(d, p))
+    j["instead_of"] = q->name;
+  return j;
+}
+
+Json material_json(const Model& model) {
+  const Descriptor& d = model.descriptor;
+  Json j = {{"name", d.name}, {"title", d.title}, {"equation", d.equation}};
+  j["parameters"] = Json::array();
+  for (const ParamInfo& p : d.params)
+    j["parameters"].push_back(parameter_json(d, p));
+  j["references"] = d.references;
+  j["notes"] = d.notes;
+  j["exceptions"] = Json::array();
+  for (const Excuse& e : d.excuses)
+    j["exceptions"].push_back({{"property", e.property}, {"reason", e.reason}});
+  j["exemplars"] = Json::array();
+  for (const Exemplar& e : d.exemplars) {
+    Json settings = Json::object();
+    for (const auto& [key, value] : e.settings)
+      settings[key] = value;
+    j["exemplars"].push_back({{"name", e.name}, {"settings", settings}, {"lossless", e.lossless}});
+  }
+  j["traits"] = {{"lobes", lobes_text(d.traits)},
+                 {"reciprocal", d.traits.reciprocal},
+                 {"albedo_bound", d.traits.albedo_bound},
+                 {"two_sided", d.traits.two_sided}};
+  j["xml"] = material_xml_snippet(model);
+  return j;
+}
+
+} // namespace
+
+std::string material_xml_snippet(const Model& model) {
+  const Descriptor& d = model.descriptor;
+  std::string body;
+  for (const ParamInfo& p : d.params) {
+    if (instead_of(d, p))
+      continue;
+    body += "  " + xml_element(p) + "\n";
+    std::vector<std::string> others;
+    for (const ParamInfo& q : d.params)
+      if (instead_of(d, q) == &p)
+        others.push_back(q.name);
+    if (!others.empty())
+      body += fmt::format("  <!-- instead of {}: {} -->\n", p.name, join(others, " and "));
+  }
+  if (body.empty())
+    return fmt::format("<bsdf type=\"{}\"/>\n", d.name);
+  return fmt::format("<bsdf type=\"{}\">\n{}</bsdf>\n", d.name, body);
+}
+
+std::string list_materials(const Registry& registry) {
+  size_t width = 0;
+  for (const auto& model : registry.models())
+    width = std::max(width, model->name().size());
+  std::string text;
+  for (const auto& model : registry.models())
+    text += fmt::format("{:<{}}  {}\n", model->name(), width, model->descriptor.title);
+  return text;
+}
+
+std::string list_materials_markdown(const Registry& registry) {
+  std::string text = "| name | what it is | parameters |\n|---|---|---|\n";
+  for (const auto& model : registry.models()) {
+    std::vector<std::string> names;
+    for (const std::string& name : model->descriptor.param_names())
+      names.push_back("`" + name + "`");
+    text += fmt::format("| `{}` | {} | {} |\n", model->name(), cell(model->descriptor.title),
+                        join(names, " "));
+  }
+  return text;
+}
+
+std::string list_materials_json(const Registry& registry) {
+  Json all = Json::array();
+  for (const auto& model : registry.models())
+    all.push_back(material_json(*model));
+  return all.dump(2) + "\n";
+}
+
+std::string describe_material(const Model& model) {
+  const Descriptor& d = model.descriptor;
+  std::string text = fmt::format("{}: {}\n\n  {}\n", d.name, d.title, d.equation);
+  if (!d.params.empty())
+    text += "\nParameters\n" + aligned(parameter_rows(d));
+  text += list_section("References", d.references, "  ");
+  text += list_section("Notes", d.notes, "  ");
+  text += list_section("Known exceptions", exceptions(d), "  ");
+  std::vector<std::vector<std::string>> sets;
+  for (const Exemplar& e : d.exemplars)
+    sets.push_back({e.name, settings_text(e.settings)});
+  if (!sets.empty())
+    text += "\nExamples\n" + aligned(sets);
+  text += fmt::format("\nLobes\n  {}{}\n", lobes_text(d.traits),
+                      d.traits.reciprocal ? ", reciprocal" : ", not reciprocal");
+  return text + "\nIn a scene file\n" + material_xml_snippet(model);
+}
+
+std::string describe_material_markdown(const Model& model) {
+  const Descriptor& d = model.descriptor;
+  std::string text = fmt::format("## `{}`: {}\n\n```text\n{}\n```\n", d.name, d.title, d.equation);
+  if (!d.params.empty()) {
+    bool head = true;
+    text += "\n";
+    for (const auto& row : parameter_rows(d)) {
+      for (size_t i = 0; i < row.size(); ++i)
+        text += "| " + (i == 0 && !head ? "`" + row[i] + "`" : cell(row[i])) + " ";
+      text += "|\n";
+      if (head)
+        text += "|---|---|---|---|---|---|---|\n";
+      head = false;
+    }
+  }
+  text += list_section("References:\n", d.references, "- ");
+  text += list_section("Notes:\n", d.notes, "- ");
+  text += list_section("Known exceptions:\n", exceptions(d), "- ");
+  std::vector<std::string> sets;
+  for (const Exemplar& e : d.exemplars)
+    sets.push_back(e.name + ": `" + settings_text(e.settings) + "`");
+  text += list_section("Examples:\n", sets, "- ");
+  return text + "\n```xml\n" + material_xml_snippet(model) + "```\n";
+}
+
+std::string describe_material_json(const Model& model) {
+  return material_json(model).dump(2) + "\n";
+}
+
+} // namespace faceta
