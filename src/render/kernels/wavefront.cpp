@@ -1,0 +1,274 @@
+#include "render/kernels/wavefront.h"
+
+#include <utility>
+
+namespace faceta {
+
+namespace {
+constexpr int kPoolRows = kPoolSize + Wavefront::kPad;
+constexpr int kCameraStride = kPoolRows;
+constexpr int kShadowStride = kPoolRows;
+// Pairs of random numbers: the film takes pair 0, each vertex five.
+constexpr int kPairsPerVertex = 5;
+} // namespace
+
+Wavefront::Wavefront(const RenderJob& job, RenderCounters& counters)
+    : job_(job), scene_(*job.scene), counters_(counters), shader_(*job.scene),
+      scene_scale_(scene_.environment.scene_radius * 0.05f), rows_(16 * kPoolRows),
+      next_rows_(16 * kPoolRows), hits_(kPoolRows), order_(kPoolRows), keys_(kPoolRows),
+      distances_(kPoolRows), camera_rays_(8 * kCameraStride), shadow_rays_(10 * kShadowStride),
+      shadow_slots_(kPoolRows), blocked_(kPoolRows), pixel_x_(kPoolRows), pixel_y_(kPoolRows),
+      samples_(kPoolRows), radiance_(size_t(kChunkRing) * kMaxChunkPaths * 4),
+      begin_(scene_.root_count + 2) {}
+
+void Wavefront::run() {
+  for (;;) {
+    refill();
+    if (count_ == 0)
+      break;
+    trace();
+    sort();
+    next_count_ = shadow_count_ = 0;
+    for (int i = 0; i < kChunkRing; ++i)
+      ring_[i].alive = 0;
+    if (begin_[1] > begin_[0])
+      shade_misses(order_ + begin_[0], begin_[1] - begin_[0]);
+    for (int c = 0; c < scene_.class_count; ++c) {
+      const ClassView& k = scene_.classes[c];
+      int first = begin_[1 + k.first_root], last = begin_[1 + k.first_root + k.roots];
+      if (last > first)
+        shade_class(k, order_ + first, last - first);
+    }
+    shadows();
+    for (int i = 0; i < 16 * kPoolRows; i += 16 * kPoolRows)
+      std::swap(const_cast<float*&>(reinterpret_cast<float* const&>(rows_)),
+                const_cast<float*&>(reinterpret_cast<float* const&>(next_rows_)));
+    count_ = traced_ = next_count_;
+    traced_ = 0;
+    finish_chunks();
+  }
+}
+
+// --- Chunks and camera rays ---
+
+bool Wavefront::open_chunk() {
+  if (exhausted_ || tail_ - head_ == kChunkRing)
+    return false;
+  ChunkState& c = ring_[tail_ % kChunkRing];
+  if (!job_.next_chunk(job_.user, &c.chunk)) {
+    exhausted_ = true;
+    return false;
+  }
+  c.generated = c.alive = 0;
+  c.open = true;
+  ++tail_;
+  return true;
+}
+
+void Wavefront::refill() {
+  int survivors = count_;
+  while (count_ < kPoolSize) {
+    if (tail_ == head_ || ring_[(tail_ - 1) % kChunkRing].generated ==
+                              ring_[(tail_ - 1) % kChunkRing].chunk.paths())
+      if (!open_chunk())
+        break;
+    ChunkState& c = ring_[(tail_ - 1) % kChunkRing];
+    generate(min(kPoolSize - count_, c.chunk.paths() - c.generated));
+  }
+  traced_ = survivors; // everything behind it was traced by generate()
+}
+
+void Wavefront::generate(int count) {
+  int ring_index = static_cast<int>((tail_ - 1) % kChunkRing);
+  ChunkState& c = ring_[ring_index];
+  const CameraView& camera = scene_.camera;
+  // Which pixel and sample each path is: counted, not divided.
+  int pixel = c.generated / c.chunk.samples, sample = c.generated % c.chunk.samples;
+  int px = pixel % c.chunk.width, py = pixel / c.chunk.width;
+  for (int i = 0; i < count; ++i) {
+    pixel_x_[i] = c.chunk.x + px + camera.crop_x;
+    pixel_y_[i] = c.chunk.y + py + camera.crop_y;
+    samples_[i] = c.chunk.first + sample;
+    if (++sample == c.chunk.samples) {
+      sample = 0;
+      if (++px == c.chunk.width) {
+        px = 0;
+        ++py;
+      }
+    }
+  }
+  float* rays = camera_rays_;
+  int first_slot = ring_index * kMaxChunkPaths + c.generated;
+  for (int i = 0; i < count; i += W) {
+    I x = load_int<T>(pixel_x_ + i), y = load_int<T>(pixel_y_ + i), s = load_int<T>(samples_ + i);
+    I pixel_index = y * I(camera.film_width) + x;
+    I camera_sample = s;
+    if (job_.settings.splits > 1) // sub-paths of one camera sample share its film position
+      camera_sample = to_int(floor((to_float(s) + T(0.5f)) * T(1.0f / job_.settings.splits)));
+    SampleStream<T> stream(as_uint(pixel_index), as_uint(camera_sample), job_.settings.seed,
+                           job_.settings.sampler == SamplerType::sobol);
+    Vec2<T> u = stream.pair(U(0));
+    T cx = to_float(x) + T(0.5f), cy = to_float(y) + T(0.5f);
+    T left = T(float(camera.crop_x)), right = T(float(camera.crop_x + camera.crop_width));
+    T top = T(float(camera.crop_y)), bottom = T(float(camera.crop_y + camera.crop_height));
+    cx = cx + sample_filter(scene_.filter, u.x, left - cx, right - cx);
+    cy = cy + sample_filter(scene_.filter, u.y, top - cy, bottom - cy);
+    CameraRay<T> r = camera_ray(camera, cx, cy);
+    const T fields[8] = {r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.near, r.far};
+    for (int k = 0; k < 8; ++k)
+      store(rays + k * kCameraStride + i, fields[k]);
+    I slot = I(first_slot + i) + iota<T>();
+    T row[16] = {r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, T(-1), T(1), T(1), T(1), T(1),
+                 bits_float(slot), bits_float(pixel_index), bits_float(s), bits_float(I(0)),
+                 bits_float(I(0))};
+    store_rows<T>(rows_ + 16 * (count_ + i), M(true), row);
+  }
+  RayArrays arrays{{rays, rays + kCameraStride, rays + 2 * kCameraStride},
+                   {rays + 3 * kCameraStride, rays + 4 * kCameraStride, rays + 5 * kCameraStride},
+                   rays + 6 * kCameraStride, rays + 7 * kCameraStride};
+  if (job_.record)
+    job_.record(job_.user, RayKind::camera, &arrays, count);
+  trace_camera(scene_, arrays, count, hits_ + count_, distances_ + count_);
+  float* pixels = radiance_ + 4 * size_t(first_slot);
+  for (int i = 0; i < count; ++i) {
+    pixels[4 * i] = pixels[4 * i + 1] = pixels[4 * i + 2] = 0;
+    pixels[4 * i + 3] = 1;
+  }
+  c.generated += count;
+  count_ += count;
+  counters_.paths += count;
+  counters_.camera_rays += count;
+}
+
+void Wavefront::finish_chunks() {
+  while (head_ < tail_) {
+    int index = static_cast<int>(head_ % kChunkRing);
+    ChunkState& c = ring_[index];
+    if (c.generated < c.chunk.paths() || c.alive > 0)
+      break;
+    job_.finish_chunk(job_.user, &c.chunk, radiance_ + 4 * size_t(index) * kMaxChunkPaths);
+    c.open = false;
+    ++head_;
+  }
+}
+
+// --- Tracing and sorting ---
+
+void Wavefront::trace() {
+  if (traced_ == 0)
+    return;
+  if (job_.record) {
+    std::vector<float> arrays(6 * size_t(traced_)), near(traced_, 0.0f),
+        far(traced_, __builtin_inff());
+    for (int i = 0; i < traced_; ++i)
+      for (int k = 0; k < 6; ++k)
+        arrays[k * size_t(traced_) + i] = rows_[16 * i + k];
+    const float* a = arrays.data();
+    size_t n = traced_;
+    RayArrays rays{{a, a + n, a + 2 * n}, {a + 3 * n, a + 4 * n, a + 5 * n}, near.data(), far.data()};
+    job_.record(job_.user, RayKind::closest, &rays, traced_);
+  }
+  // A packet may write past the survivors, where the first camera hits lie.
+  int tail = min(kLanePadding, count_ - traced_);
+  int32_t codes[kLanePadding];
+  float distances[kLanePadding];
+  std::memcpy(codes, hits_ + traced_, 4 * tail);
+  std::memcpy(distances, distances_ + traced_, 4 * tail);
+  trace_rows(scene_, rows_, traced_, hits_, distances_);
+  std::memcpy(hits_ + traced_, codes, 4 * tail);
+  std::memcpy(distances_ + traced_, distances, 4 * tail);
+  counters_.closest_rays += traced_;
+}
+
+void Wavefront::sort() {
+  std::fill(begin_.begin(), begin_.end(), 0);
+  int32_t* counts = begin_.data() + 1;
+  for (int i = 0; i < count_; ++i) {
+    int32_t code = hits_[i];
+    int32_t key = 0;
+    if (code >= kQuadricHit)
+      key = 1 + scene_.quadrics[code - kQuadricHit].material;
+    else if (code != kNoHit)
+      key = 1 + scene_.triangles[code].material;
+    keys_[i] = key;
+    ++counts[key];
+  }
+  for (size_t k = 1; k < begin_.size(); ++k)
+    begin_[k] += begin_[k - 1];
+  // begin_[k] is now the first position of key k; place, then undo the advance.
+  int32_t* place = begin_.data();
+  for (int i = 0; i < count_; ++i)
+    order_[place[keys_[i]]++] = i;
+  for (size_t k = begin_.size() - 1; k > 0; --k)
+    begin_[k] = begin_[k - 1];
+  begin_[0] = 0;
+  for (int i = 0; i < kLanePadding; ++i)
+    order_[count_ + i] = order_[max(count_ - 1, 0)];
+}
+
+// --- Lanes of paths ---
+
+Wavefront::PathLanes Wavefront::load_paths(const int32_t* order) const {
+  T w[16];
+  load_rows<T>(rows_, 16, order, w);
+  PathLanes p;
+  p.o = {w[0], w[1], w[2]};
+  p.d = {w[3], w[4], w[5]};
+  p.pdf = w[6];
+  p.eta = w[7];
+  p.throughput = Color<T>(w[8], w[9], w[10]);
+  p.slot = as_integer(w[11]);
+  p.pixel = as_integer(w[12]);
+  p.sample = as_integer(w[13]);
+  p.depth = as_integer(w[14]);
+  p.normal = as_integer(w[15]);
+  return p;
+}
+
+SurfacePoint<T_Lanes> dummy_never_defined();
+
+void Wavefront::add(const Color<T>& c, const I& slot, M mask) {
+  alignas(64) float r[W], g[W], b[W];
+  alignas(64) int32_t slots[W];
+  store(r, c[0]);
+  store(g, c[1]);
+  store(b, c[2]);
+  store(slots, slot);
+  for (uint32_t bits = mask_bits(mask); bits; bits &= bits - 1) {
+    int i = __builtin_ctz(bits);
+    float* pixel = radiance_ + 4 * size_t(slots[i]);
+    pixel[0] += r[i];
+    pixel[1] += g[i];
+    pixel[2] += b[i];
+  }
+}
+
+void Wavefront::shade_misses(const int32_t* order, int n) {
+  const EnvironmentView& e = scene_.environment;
+  for (int i = 0; i < n; i += W) {
+    M active = first_lanes<T>(n - i);
+    PathLanes path = load_paths(order + i);
+    auto first = active & (path.depth == I(0));
+    bool visible = e.present && !job_.settings.hide_emitters;
+    if (!visible && any(first)) {
+      alignas(64) int32_t slots[W];
+      store(slots, path.slot);
+      for (uint32_t bits = mask_bits(first); bits; bits &= bits - 1)
+        radiance_[4 * size_t(slots[__builtin_ctz(bits)]) + 3] = 0;
+    }
+    if (!e.present)
+      continue;
+    EnvironmentLight<T> light = environment_light(e, path.d);
+    auto mis = path.pdf > T(0);
+    T other = light.pdf * T(e.probability * job_.settings.light_fraction);
+    T weight = select(mis,
+                      power_heuristic(max(path.pdf, T(1e-30f)) * T(job_.settings.bsdf_fraction),
+                                      other),
+                      T(1));
+    if (job_.settings.hide_emitters)
+      active = active & (path.depth > I(0));
+    add(path.throughput * light.radiance * weight, path.slot, active);
+  }
+}
+
+} // namespace faceta
