@@ -8,7 +8,7 @@
 namespace faceta {
 
 /// Faceta's own stroke font: a light geometric sans, drawn as round-ended lines. It has printable
-/// ASCII and  – — · × ° ± ² ³ α β γ δ ε η θ κ λ μ ν π ρ σ τ φ ω µ Å ö é á í ó ú ñ ; any other
+/// ASCII and – — − · × ± ° ² ³ α β γ δ ε η θ κ λ µ μ ν π ρ σ τ φ ω á é í ó ú ñ ä ö ü Å ı; any other
 /// character shows as an empty box.
 ///
 /// `height` is the font size in pixels: capitals are kFontCapHeight of it tall, letters reach at
