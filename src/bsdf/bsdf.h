@@ -12,6 +12,7 @@
 /// and optionally
 ///   void prepare();                          per lane, after textures were applied; cheap
 ///   void prepare_once(PrepareOnce&);         T = double only: tables and means, once per material
+///   static const char* validate(const Model<double>&);   what is wrong with a parameter set, or null
 ///
 /// Nothing throws, allocates or locks inside eval, sample and prepare. Branch on parameters (choices,
 /// flags), never on a lane: select(mask, a, b).

@@ -26,6 +26,20 @@ FACETA_INLINE Color<T> fresnel_conductor(const T& cos_i, const Color<T>& eta, co
   return eta.map(k, [&](const T& e, const T& c) { return fresnel_conductor(cos_i, e, c); });
 }
 
+/// Mean of a conductor's reflectance over the hemisphere, weighted by the cosine: Gauss and
+/// Legendre's rule with four nodes in cos^2.
+template <class T>
+FACETA_INLINE Color<T> fresnel_conductor_mean(const Color<T>& eta, const Color<T>& k) {
+  constexpr double node[] = {0.26349922998553, 0.57446451431537, 0.81852948196306,
+                             0.96467008929466};
+  constexpr double weight[] = {0.17392742256873, 0.32607257743127, 0.32607257743127,
+                               0.17392742256873};
+  Color<T> sum;
+  for (int i = 0; i < 4; ++i)
+    sum += fresnel_conductor(T(node[i]), eta, k) * T(weight[i]);
+  return sum;
+}
+
 /// What happens at a dielectric interface.
 template <class T> struct DielectricFresnel {
   T reflectance;
@@ -34,14 +48,11 @@ template <class T> struct DielectricFresnel {
   T eta_ti; ///< its inverse
 };
 
-/// Unpolarised reflectance of a dielectric; eta > 0 is the index below the surface over the one
-/// above it. cos_i in [-1, 1]: positive above. Total internal reflection has reflectance 1.
-template <class T>
-FACETA_INLINE DielectricFresnel<T> fresnel_dielectric(const T& cos_i, const T& eta) {
-  auto above = cos_i >= T(0);
-  T inverse = T(1) / eta;
-  T eta_it = select(above, eta, inverse), eta_ti = select(above, inverse, eta);
-  T c = min(abs(cos_i), T(1));
+/// Unpolarised reflectance of a dielectric for cos_i >= 0; eta_it is the index of the far side over
+/// that of the near side, eta_ti its inverse. Total internal reflection has reflectance 1.
+template <class T> FACETA_INLINE DielectricFresnel<T>
+fresnel_dielectric_near(const T& cos_i, const T& eta_it, const T& eta_ti) {
+  T c = min(cos_i, T(1));
   // Snell's law without forming 1 - cos^2 or 1 - eta^2 by cancellation.
   T t = eta_ti * safe_sqrt(fma(eta_it - T(1), eta_it + T(1), c * c));
   T p = eta_it * t, q = eta_it * c;
@@ -51,8 +62,20 @@ FACETA_INLINE DielectricFresnel<T> fresnel_dielectric(const T& cos_i, const T& e
   auto regular = denominator > T(0);
   T r = T(0.5) * fma(x, x, y * y) / select(regular, denominator, T(1));
   r = select(regular, min(r, T(1)), T(1));
-  r = select(eta == T(1), T(0), r);
-  return {r, select(above, -t, t), eta_it, eta_ti};
+  r = select(eta_it == T(1), T(0), r);
+  return {r, -t, eta_it, eta_ti};
+}
+
+/// The same for either side; eta > 0 is the index below the surface over the one above it. cos_i in
+/// [-1, 1]: positive above.
+template <class T>
+FACETA_INLINE DielectricFresnel<T> fresnel_dielectric(const T& cos_i, const T& eta) {
+  auto above = cos_i >= T(0);
+  T inverse = T(1) / eta;
+  DielectricFresnel<T> f =
+      fresnel_dielectric_near(abs(cos_i), select(above, eta, inverse), select(above, inverse, eta));
+  f.cos_t = select(above, f.cos_t, -f.cos_t);
+  return f;
 }
 
 /// Transmitted direction at a surface with normal z: Snell's law with the right ratio,

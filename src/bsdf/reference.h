@@ -35,6 +35,9 @@ private:
         *pointers.fields[i] = slots[i];
     ChoiceSetter setter(m, choices);
     M<double>::describe(setter);
+    if constexpr (requires { M<double>::validate(m); })
+      if (const char* problem = M<double>::validate(m))
+        throw Error(problem);
     Record record;
     if constexpr (requires(PrepareOnce& p) { m.prepare_once(p); }) {
       PrepareOnce context{record.tables};

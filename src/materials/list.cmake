@@ -2,6 +2,11 @@
 faceta_add_material_modules(builtin
   MATERIALS
     materials/diffuse.h:Diffuse
+    materials/conductor.h:Conductor
+    materials/roughconductor.h:RoughConductor
+    materials/dielectric.h:Dielectric
+    materials/thindielectric.h:ThinDielectric
+    materials/roughdielectric.h:RoughDielectric
     materials/orennayar.h:OrenNayar
     materials/phong.h:Phong
     materials/blinnphong.h:BlinnPhong
