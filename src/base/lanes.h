@@ -1,8 +1,8 @@
 #pragma once
 
 /// A whole SIMD register as a number: Lanes (float), LaneInt, LaneUint and LaneMask over Highway,
-/// fixed at compile time (one set of translation units per instruction set; see cmake/Modules.cmake).
-/// Only base/number.h includes this.
+/// fixed at compile time (one set of translation units per instruction set; see
+/// cmake/Modules.cmake). Only base/number.h includes this.
 
 #define HWY_COMPILE_ONLY_STATIC
 #include <hwy/highway.h>
@@ -19,15 +19,16 @@ using LaneUintTag = hn::ScalableTag<uint32_t>;
 // -march without -maes -mpclmul makes Highway fall back to four lanes in silence.
 static_assert(hn::MaxLanes(LaneTag()) == FACETA_LANE_WIDTH, "unexpected vector width");
 
-template <class A> concept Arithmetic = std::is_arithmetic_v<A>;
+template <class A>
+concept Arithmetic = std::is_arithmetic_v<A>;
 
 struct LaneMask {
   hn::Mask<LaneTag> m;
   LaneMask() = default;
   FACETA_INLINE LaneMask(hn::Mask<LaneTag> mask) : m(mask) {}
   FACETA_INLINE LaneMask(bool b)
-      : m(hn::RebindMask(LaneTag(), hn::Ne(hn::Set(LaneIntTag(), b ? 1 : 0),
-                                           hn::Zero(LaneIntTag())))) {}
+      : m(hn::RebindMask(LaneTag(),
+                         hn::Ne(hn::Set(LaneIntTag(), b ? 1 : 0), hn::Zero(LaneIntTag())))) {}
   friend FACETA_INLINE LaneMask operator&(LaneMask a, LaneMask b) { return hn::And(a.m, b.m); }
   friend FACETA_INLINE LaneMask operator|(LaneMask a, LaneMask b) { return hn::Or(a.m, b.m); }
   friend FACETA_INLINE LaneMask operator^(LaneMask a, LaneMask b) { return hn::Xor(a.m, b.m); }
@@ -37,27 +38,61 @@ struct LaneMask {
 };
 
 #define FACETA_LANE_ARITHMETIC(Type, Tag)                                                          \
-  friend FACETA_INLINE Type operator+(Type a, Type b) { return hn::Add(a.v, b.v); }                \
-  friend FACETA_INLINE Type operator-(Type a, Type b) { return hn::Sub(a.v, b.v); }                \
-  friend FACETA_INLINE Type operator*(Type a, Type b) { return hn::Mul(a.v, b.v); }                \
-  FACETA_INLINE Type& operator+=(Type b) { return *this = *this + b; }                             \
-  FACETA_INLINE Type& operator-=(Type b) { return *this = *this - b; }                             \
-  FACETA_INLINE Type& operator*=(Type b) { return *this = *this * b; }
+  friend FACETA_INLINE Type operator+(Type a, Type b) {                                            \
+    return hn::Add(a.v, b.v);                                                                      \
+  }                                                                                                \
+  friend FACETA_INLINE Type operator-(Type a, Type b) {                                            \
+    return hn::Sub(a.v, b.v);                                                                      \
+  }                                                                                                \
+  friend FACETA_INLINE Type operator*(Type a, Type b) {                                            \
+    return hn::Mul(a.v, b.v);                                                                      \
+  }                                                                                                \
+  FACETA_INLINE Type& operator+=(Type b) {                                                         \
+    return *this = *this + b;                                                                      \
+  }                                                                                                \
+  FACETA_INLINE Type& operator-=(Type b) {                                                         \
+    return *this = *this - b;                                                                      \
+  }                                                                                                \
+  FACETA_INLINE Type& operator*=(Type b) {                                                         \
+    return *this = *this * b;                                                                      \
+  }
 
 #define FACETA_LANE_COMPARISONS(Type)                                                              \
-  friend FACETA_INLINE LaneMask operator<(Type a, Type b) { return mask(hn::Lt(a.v, b.v)); }       \
-  friend FACETA_INLINE LaneMask operator>(Type a, Type b) { return mask(hn::Gt(a.v, b.v)); }       \
-  friend FACETA_INLINE LaneMask operator==(Type a, Type b) { return mask(hn::Eq(a.v, b.v)); }      \
-  friend FACETA_INLINE LaneMask operator!=(Type a, Type b) { return mask(hn::Ne(a.v, b.v)); }
+  friend FACETA_INLINE LaneMask operator<(Type a, Type b) {                                        \
+    return mask(hn::Lt(a.v, b.v));                                                                 \
+  }                                                                                                \
+  friend FACETA_INLINE LaneMask operator>(Type a, Type b) {                                        \
+    return mask(hn::Gt(a.v, b.v));                                                                 \
+  }                                                                                                \
+  friend FACETA_INLINE LaneMask operator==(Type a, Type b) {                                       \
+    return mask(hn::Eq(a.v, b.v));                                                                 \
+  }                                                                                                \
+  friend FACETA_INLINE LaneMask operator!=(Type a, Type b) {                                       \
+    return mask(hn::Ne(a.v, b.v));                                                                 \
+  }
 
 #define FACETA_LANE_BITWISE(Type)                                                                  \
-  friend FACETA_INLINE Type operator&(Type a, Type b) { return hn::And(a.v, b.v); }                \
-  friend FACETA_INLINE Type operator|(Type a, Type b) { return hn::Or(a.v, b.v); }                 \
-  friend FACETA_INLINE Type operator^(Type a, Type b) { return hn::Xor(a.v, b.v); }                \
-  friend FACETA_INLINE Type operator~(Type a) { return hn::Not(a.v); }                             \
-  FACETA_INLINE Type& operator^=(Type b) { return *this = *this ^ b; }                             \
-  FACETA_INLINE Type& operator&=(Type b) { return *this = *this & b; }                             \
-  FACETA_INLINE Type& operator|=(Type b) { return *this = *this | b; }
+  friend FACETA_INLINE Type operator&(Type a, Type b) {                                            \
+    return hn::And(a.v, b.v);                                                                      \
+  }                                                                                                \
+  friend FACETA_INLINE Type operator|(Type a, Type b) {                                            \
+    return hn::Or(a.v, b.v);                                                                       \
+  }                                                                                                \
+  friend FACETA_INLINE Type operator^(Type a, Type b) {                                            \
+    return hn::Xor(a.v, b.v);                                                                      \
+  }                                                                                                \
+  friend FACETA_INLINE Type operator~(Type a) {                                                    \
+    return hn::Not(a.v);                                                                           \
+  }                                                                                                \
+  FACETA_INLINE Type& operator^=(Type b) {                                                         \
+    return *this = *this ^ b;                                                                      \
+  }                                                                                                \
+  FACETA_INLINE Type& operator&=(Type b) {                                                         \
+    return *this = *this & b;                                                                      \
+  }                                                                                                \
+  FACETA_INLINE Type& operator|=(Type b) {                                                         \
+    return *this = *this | b;                                                                      \
+  }
 
 struct Lanes {
   using Vector = hn::Vec<LaneTag>;
@@ -130,19 +165,31 @@ template <> struct NumberTraits<Lanes> {
   static constexpr int kWidth = FACETA_LANE_WIDTH;
 };
 
-FACETA_INLINE Lanes select(LaneMask m, Lanes a, Lanes b) { return hn::IfThenElse(m.m, a.v, b.v); }
+FACETA_INLINE Lanes select(LaneMask m, Lanes a, Lanes b) {
+  return hn::IfThenElse(m.m, a.v, b.v);
+}
 FACETA_INLINE LaneInt select(LaneMask m, LaneInt a, LaneInt b) {
   return hn::IfThenElse(hn::RebindMask(LaneIntTag(), m.m), a.v, b.v);
 }
 FACETA_INLINE LaneUint select(LaneMask m, LaneUint a, LaneUint b) {
   return hn::IfThenElse(hn::RebindMask(LaneUintTag(), m.m), a.v, b.v);
 }
-FACETA_INLINE LaneMask select(LaneMask m, LaneMask a, LaneMask b) { return (m & a) | ((!m) & b); }
+FACETA_INLINE LaneMask select(LaneMask m, LaneMask a, LaneMask b) {
+  return (m & a) | ((!m) & b);
+}
 
-FACETA_INLINE bool any(LaneMask m) { return !hn::AllFalse(LaneTag(), m.m); }
-FACETA_INLINE bool all(LaneMask m) { return hn::AllTrue(LaneTag(), m.m); }
-FACETA_INLINE bool none(LaneMask m) { return hn::AllFalse(LaneTag(), m.m); }
-FACETA_INLINE int count(LaneMask m) { return static_cast<int>(hn::CountTrue(LaneTag(), m.m)); }
+FACETA_INLINE bool any(LaneMask m) {
+  return !hn::AllFalse(LaneTag(), m.m);
+}
+FACETA_INLINE bool all(LaneMask m) {
+  return hn::AllTrue(LaneTag(), m.m);
+}
+FACETA_INLINE bool none(LaneMask m) {
+  return hn::AllFalse(LaneTag(), m.m);
+}
+FACETA_INLINE int count(LaneMask m) {
+  return static_cast<int>(hn::CountTrue(LaneTag(), m.m));
+}
 FACETA_INLINE uint32_t mask_bits(LaneMask m) {
 #if FACETA_LANE_WIDTH == 16
   return m.m.raw;
@@ -158,30 +205,70 @@ FACETA_INLINE uint32_t mask_bits(LaneMask m) {
 }
 
 #if FACETA_LANE_WIDTH == 16
-FACETA_INLINE Lanes min(Lanes a, Lanes b) { return Lanes::Vector{_mm512_min_ps(a.v.raw, b.v.raw)}; }
-FACETA_INLINE Lanes max(Lanes a, Lanes b) { return Lanes::Vector{_mm512_max_ps(a.v.raw, b.v.raw)}; }
+FACETA_INLINE Lanes min(Lanes a, Lanes b) {
+  return Lanes::Vector{_mm512_min_ps(a.v.raw, b.v.raw)};
+}
+FACETA_INLINE Lanes max(Lanes a, Lanes b) {
+  return Lanes::Vector{_mm512_max_ps(a.v.raw, b.v.raw)};
+}
 #elif FACETA_LANE_WIDTH == 8
-FACETA_INLINE Lanes min(Lanes a, Lanes b) { return Lanes::Vector{_mm256_min_ps(a.v.raw, b.v.raw)}; }
-FACETA_INLINE Lanes max(Lanes a, Lanes b) { return Lanes::Vector{_mm256_max_ps(a.v.raw, b.v.raw)}; }
+FACETA_INLINE Lanes min(Lanes a, Lanes b) {
+  return Lanes::Vector{_mm256_min_ps(a.v.raw, b.v.raw)};
+}
+FACETA_INLINE Lanes max(Lanes a, Lanes b) {
+  return Lanes::Vector{_mm256_max_ps(a.v.raw, b.v.raw)};
+}
 #else
-FACETA_INLINE Lanes min(Lanes a, Lanes b) { return select(a < b, a, b); }
-FACETA_INLINE Lanes max(Lanes a, Lanes b) { return select(a > b, a, b); }
+FACETA_INLINE Lanes min(Lanes a, Lanes b) {
+  return select(a < b, a, b);
+}
+FACETA_INLINE Lanes max(Lanes a, Lanes b) {
+  return select(a > b, a, b);
+}
 #endif
-FACETA_INLINE LaneInt min(LaneInt a, LaneInt b) { return hn::Min(a.v, b.v); }
-FACETA_INLINE LaneInt max(LaneInt a, LaneInt b) { return hn::Max(a.v, b.v); }
-FACETA_INLINE Lanes fma(Lanes a, Lanes b, Lanes c) { return hn::MulAdd(a.v, b.v, c.v); }
-FACETA_INLINE Lanes sqrt(Lanes a) { return hn::Sqrt(a.v); }
-FACETA_INLINE Lanes abs(Lanes a) { return hn::Abs(a.v); }
-FACETA_INLINE Lanes floor(Lanes a) { return hn::Floor(a.v); }
-FACETA_INLINE Lanes copysign(Lanes a, Lanes b) { return hn::CopySign(a.v, b.v); }
+FACETA_INLINE LaneInt min(LaneInt a, LaneInt b) {
+  return hn::Min(a.v, b.v);
+}
+FACETA_INLINE LaneInt max(LaneInt a, LaneInt b) {
+  return hn::Max(a.v, b.v);
+}
+FACETA_INLINE Lanes fma(Lanes a, Lanes b, Lanes c) {
+  return hn::MulAdd(a.v, b.v, c.v);
+}
+FACETA_INLINE Lanes sqrt(Lanes a) {
+  return hn::Sqrt(a.v);
+}
+FACETA_INLINE Lanes abs(Lanes a) {
+  return hn::Abs(a.v);
+}
+FACETA_INLINE Lanes floor(Lanes a) {
+  return hn::Floor(a.v);
+}
+FACETA_INLINE Lanes copysign(Lanes a, Lanes b) {
+  return hn::CopySign(a.v, b.v);
+}
 
-template <> FACETA_INLINE Lanes from_int<Lanes>(int32_t i) { return Lanes(i); }
-FACETA_INLINE LaneInt to_int(Lanes a) { return hn::ConvertTo(LaneIntTag(), a.v); }
-FACETA_INLINE Lanes to_float(LaneInt a) { return hn::ConvertTo(LaneTag(), a.v); }
-FACETA_INLINE LaneInt float_bits(Lanes a) { return hn::BitCast(LaneIntTag(), a.v); }
-FACETA_INLINE Lanes bits_float(LaneInt a) { return hn::BitCast(LaneTag(), a.v); }
-FACETA_INLINE LaneUint as_uint(LaneInt a) { return hn::BitCast(LaneUintTag(), a.v); }
-FACETA_INLINE LaneInt as_int(LaneUint a) { return hn::BitCast(LaneIntTag(), a.v); }
+template <> FACETA_INLINE Lanes from_int<Lanes>(int32_t i) {
+  return Lanes(i);
+}
+FACETA_INLINE LaneInt to_int(Lanes a) {
+  return hn::ConvertTo(LaneIntTag(), a.v);
+}
+FACETA_INLINE Lanes to_float(LaneInt a) {
+  return hn::ConvertTo(LaneTag(), a.v);
+}
+FACETA_INLINE LaneInt float_bits(Lanes a) {
+  return hn::BitCast(LaneIntTag(), a.v);
+}
+FACETA_INLINE Lanes bits_float(LaneInt a) {
+  return hn::BitCast(LaneTag(), a.v);
+}
+FACETA_INLINE LaneUint as_uint(LaneInt a) {
+  return hn::BitCast(LaneUintTag(), a.v);
+}
+FACETA_INLINE LaneInt as_int(LaneUint a) {
+  return hn::BitCast(LaneIntTag(), a.v);
+}
 FACETA_INLINE LaneMask is_finite(Lanes a) {
   return (float_bits(a) & LaneInt(0x7f800000)) != LaneInt(0x7f800000);
 }
@@ -196,8 +283,12 @@ template <> struct Memory<Lanes> {
     return hn::GatherIndex(LaneIntTag(), base, index.v);
   }
 };
-FACETA_INLINE void store(float* p, Lanes a) { hn::StoreU(a.v, LaneTag(), p); }
-FACETA_INLINE void store(int32_t* p, LaneInt a) { hn::StoreU(a.v, LaneIntTag(), p); }
+FACETA_INLINE void store(float* p, Lanes a) {
+  hn::StoreU(a.v, LaneTag(), p);
+}
+FACETA_INLINE void store(int32_t* p, LaneInt a) {
+  hn::StoreU(a.v, LaneIntTag(), p);
+}
 // A plain overlapping store: Highway's CompressStore uses masked stores, slow on AVX2.
 FACETA_INLINE void compress_store(float* p, Lanes a, LaneMask m) {
   hn::StoreU(hn::Compress(a.v, m.m), LaneTag(), p);
@@ -205,8 +296,12 @@ FACETA_INLINE void compress_store(float* p, Lanes a, LaneMask m) {
 FACETA_INLINE void compress_store(int32_t* p, LaneInt a, LaneMask m) {
   hn::StoreU(hn::Compress(a.v, hn::RebindMask(LaneIntTag(), m.m)), LaneIntTag(), p);
 }
-template <> FACETA_INLINE LaneInt iota<Lanes>() { return hn::Iota(LaneIntTag(), 0); }
-template <> FACETA_INLINE LaneMask first_lanes<Lanes>(int n) { return iota<Lanes>() < LaneInt(n); }
+template <> FACETA_INLINE LaneInt iota<Lanes>() {
+  return hn::Iota(LaneIntTag(), 0);
+}
+template <> FACETA_INLINE LaneMask first_lanes<Lanes>(int n) {
+  return iota<Lanes>() < LaneInt(n);
+}
 
 FACETA_INLINE float lane(Lanes a, int i) {
   alignas(64) float values[FACETA_LANE_WIDTH];
@@ -218,6 +313,8 @@ FACETA_INLINE int32_t lane(LaneInt a, int i) {
   store(values, a);
   return values[i];
 }
-FACETA_INLINE bool lane(LaneMask m, int i) { return (mask_bits(m) >> i) & 1; }
+FACETA_INLINE bool lane(LaneMask m, int i) {
+  return (mask_bits(m) >> i) & 1;
+}
 
 } // namespace faceta

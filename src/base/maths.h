@@ -1,8 +1,8 @@
 #pragma once
 
-/// Elementary functions for every number type. float and Lanes run the same polynomials (own minimax
-/// fits; at most 2 ulp over the stated ranges, see tests/unit/base) and so give the same bits; double
-/// takes the C library's; ceres::Jet its own (base/jet.h).
+/// Elementary functions for every number type. float and Lanes run the same polynomials (own
+/// minimax fits; at most 2 ulp over the stated ranges, see tests/unit/base) and so give the same
+/// bits; double takes the C library's; ceres::Jet its own (base/jet.h).
 
 #include "base/number.h"
 
@@ -15,17 +15,23 @@ inline constexpr double kInvTwoPi = 0.15915494309189533577;
 /// The largest float below 1.
 inline constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;
 
-template <class T> FACETA_INLINE T sqr(const T& a) { return a * a; }
+template <class T> FACETA_INLINE T sqr(const T& a) {
+  return a * a;
+}
 template <class T> FACETA_INLINE T clamp(const T& a, const T& lo, const T& hi) {
   return min(max(a, lo), hi);
 }
 /// sqrt(max(a, 0)).
-template <class T> FACETA_INLINE T safe_sqrt(const T& a) { return sqrt(max(a, T(0))); }
+template <class T> FACETA_INLINE T safe_sqrt(const T& a) {
+  return sqrt(max(a, T(0)));
+}
 /// a + (b - a) t.
 template <class T> FACETA_INLINE T lerp(const T& a, const T& b, const T& t) {
   return fma(t, b - a, a);
 }
-template <class T> FACETA_INLINE T clamp01(const T& a) { return clamp(a, T(0), T(1)); }
+template <class T> FACETA_INLINE T clamp01(const T& a) {
+  return clamp(a, T(0), T(1));
+}
 
 template <class T> struct SinCos {
   T sin, cos;
@@ -56,7 +62,7 @@ template <SinglePrecision T> FACETA_INLINE T exp_with_tail(const T& argument, co
   T n = floor(fma(x, T(1.44269504f), T(0.5f)));
   T r = fma(n, T(-0.693145752f), x); // ln 2 in two parts: the first product is exact
   r = fma(n, T(-1.42860677e-6f), r) + tail;
-  constexpr float c[] = {0.500000001f,   0.166666668f,   0.0416664645f,
+  constexpr float c[] = {0.500000001f,  0.166666668f,   0.0416664645f,
                          0.0083332859f, 0.00139337018f, 0.000199076563f};
   T p = fma(polynomial(r, c), r * r, r) + T(1);
   IntOf<T> whole = to_int(n), half = whole >> 1; // two factors, so that 2^n may leave the range
@@ -144,8 +150,12 @@ template <SinglePrecision T> FACETA_INLINE SinCos<T> sincos(const T& x) {
   T a = select(swap, cosine, sine), b = select(swap, sine, cosine);
   return {select(negative_sine, -a, a), select(negative_cosine, -b, b)};
 }
-template <SinglePrecision T> FACETA_INLINE T sin(const T& x) { return sincos(x).sin; }
-template <SinglePrecision T> FACETA_INLINE T cos(const T& x) { return sincos(x).cos; }
+template <SinglePrecision T> FACETA_INLINE T sin(const T& x) {
+  return sincos(x).sin;
+}
+template <SinglePrecision T> FACETA_INLINE T cos(const T& x) {
+  return sincos(x).cos;
+}
 template <SinglePrecision T> FACETA_INLINE T tan(const T& x) {
   SinCos<T> s = sincos(x);
   return s.sin / s.cos;
@@ -197,43 +207,68 @@ template <SinglePrecision T> FACETA_INLINE T acos(const T& x) {
 /// The error function.
 template <SinglePrecision T> FACETA_INLINE T erf(const T& x) {
   T a = min(abs(x), T(4));
-  constexpr float s[] = {0.128379167f,   -0.376126385f,   0.112837827f,    -0.0268654458f,
+  constexpr float s[] = {0.128379167f,   -0.376126385f,    0.112837827f,    -0.0268654458f,
                          0.00522107488f, -0.000848471148f, 0.000112705447f, -9.68013691e-06f};
-  constexpr float l[] = {-0.000188467809f, 1.12958031f,   0.633216395f,     0.108422103f,
+  constexpr float l[] = {-0.000188467809f, 1.12958031f,    0.633216395f,     0.108422103f,
                          -0.0252103424f,   0.00420528593f, -0.000441472923f, 2.16976395e-05f};
   T small = fma(a, polynomial(a * a, s), a);
   T large = T(1) - exp(-polynomial(a, l));
   return copysign(select(a < T(1), small, large), x);
 }
 
-/// The inverse of erf on (-1, 1), to 2e-6 relative (Giles 2010, "Approximating the erfinv function").
+/// The inverse of erf on (-1, 1), to 2e-6 relative (Giles 2010, "Approximating the erfinv
+/// function").
 template <SinglePrecision T> FACETA_INLINE T erfinv(const T& x) {
   T w = -log((T(1) - x) * (T(1) + x));
   constexpr float central[] = {1.50140941f,     0.246640727f,    -0.00417768164f,
                                -0.00125372503f, 0.00021858087f,  -4.39150654e-06f,
                                -3.5233877e-06f, 3.43273939e-07f, 2.81022636e-08f};
-  constexpr float tail[] = {2.83297682f,     1.00167406f,     0.00943887047f,
-                            -0.0076224613f,  0.00573950773f,  -0.00367342844f,
-                            0.00134934322f,  0.000100950558f, -0.000200214257f};
+  constexpr float tail[] = {2.83297682f,    1.00167406f,     0.00943887047f,
+                            -0.0076224613f, 0.00573950773f,  -0.00367342844f,
+                            0.00134934322f, 0.000100950558f, -0.000200214257f};
   T p = polynomial(w - T(2.5f), central);
   T q = polynomial(sqrt(max(w, T(0))) - T(3), tail);
   return x * select(w < T(5), p, q);
 }
 
 // double: the C library.
-FACETA_INLINE double exp(double x) { return std::exp(x); }
-FACETA_INLINE double log(double x) { return std::log(x); }
-FACETA_INLINE double pow(double x, double y) { return std::pow(x, y); }
-FACETA_INLINE SinCos<double> sincos(double x) { return {std::sin(x), std::cos(x)}; }
-FACETA_INLINE double sin(double x) { return std::sin(x); }
-FACETA_INLINE double cos(double x) { return std::cos(x); }
-FACETA_INLINE double tan(double x) { return std::tan(x); }
-FACETA_INLINE double atan2(double y, double x) { return std::atan2(y, x); }
-FACETA_INLINE double asin(double x) { return std::asin(x < -1 ? -1 : x > 1 ? 1 : x); }
-FACETA_INLINE double acos(double x) { return std::acos(x < -1 ? -1 : x > 1 ? 1 : x); }
-FACETA_INLINE double erf(double x) { return std::erf(x); }
+FACETA_INLINE double exp(double x) {
+  return std::exp(x);
+}
+FACETA_INLINE double log(double x) {
+  return std::log(x);
+}
+FACETA_INLINE double pow(double x, double y) {
+  return std::pow(x, y);
+}
+FACETA_INLINE SinCos<double> sincos(double x) {
+  return {std::sin(x), std::cos(x)};
+}
+FACETA_INLINE double sin(double x) {
+  return std::sin(x);
+}
+FACETA_INLINE double cos(double x) {
+  return std::cos(x);
+}
+FACETA_INLINE double tan(double x) {
+  return std::tan(x);
+}
+FACETA_INLINE double atan2(double y, double x) {
+  return std::atan2(y, x);
+}
+FACETA_INLINE double asin(double x) {
+  return std::asin(x < -1 ? -1 : x > 1 ? 1 : x);
+}
+FACETA_INLINE double acos(double x) {
+  return std::acos(x < -1 ? -1 : x > 1 ? 1 : x);
+}
+FACETA_INLINE double erf(double x) {
+  return std::erf(x);
+}
 inline double erfinv(double x) {
-  double y = erfinv(static_cast<float>(x < -0.9999999 ? -0.9999999 : x > 0.9999999 ? 0.9999999 : x));
+  double y = erfinv(static_cast<float>(x < -0.9999999  ? -0.9999999
+                                       : x > 0.9999999 ? 0.9999999
+                                                       : x));
   for (int i = 0; i < 3; ++i) // Newton on erf(y) = x
     y -= (std::erf(y) - x) * 0.88622692545275801365 * std::exp(y * y);
   return y;

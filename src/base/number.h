@@ -38,50 +38,120 @@ template <class T>
 FACETA_INLINE T select(bool mask, const T& a, const T& b) {
   return mask ? a : b;
 }
-FACETA_INLINE float select(bool mask, float a, float b) { return mask ? a : b; }
-FACETA_INLINE double select(bool mask, double a, double b) { return mask ? a : b; }
-FACETA_INLINE int32_t select(bool mask, int32_t a, int32_t b) { return mask ? a : b; }
-FACETA_INLINE uint32_t select(bool mask, uint32_t a, uint32_t b) { return mask ? a : b; }
-FACETA_INLINE bool select(bool mask, bool a, bool b) { return mask ? a : b; }
-FACETA_INLINE bool any(bool mask) { return mask; }
-FACETA_INLINE bool all(bool mask) { return mask; }
-FACETA_INLINE bool none(bool mask) { return !mask; }
-FACETA_INLINE int count(bool mask) { return mask ? 1 : 0; }
-FACETA_INLINE uint32_t mask_bits(bool mask) { return mask ? 1u : 0u; }
+FACETA_INLINE float select(bool mask, float a, float b) {
+  return mask ? a : b;
+}
+FACETA_INLINE double select(bool mask, double a, double b) {
+  return mask ? a : b;
+}
+FACETA_INLINE int32_t select(bool mask, int32_t a, int32_t b) {
+  return mask ? a : b;
+}
+FACETA_INLINE uint32_t select(bool mask, uint32_t a, uint32_t b) {
+  return mask ? a : b;
+}
+FACETA_INLINE bool select(bool mask, bool a, bool b) {
+  return mask ? a : b;
+}
+FACETA_INLINE bool any(bool mask) {
+  return mask;
+}
+FACETA_INLINE bool all(bool mask) {
+  return mask;
+}
+FACETA_INLINE bool none(bool mask) {
+  return !mask;
+}
+FACETA_INLINE int count(bool mask) {
+  return mask ? 1 : 0;
+}
+FACETA_INLINE uint32_t mask_bits(bool mask) {
+  return mask ? 1u : 0u;
+}
 
 // min and max return the second operand if either is a NaN, as the SSE instructions do.
-FACETA_INLINE float min(float a, float b) { return a < b ? a : b; }
-FACETA_INLINE float max(float a, float b) { return a > b ? a : b; }
-FACETA_INLINE double min(double a, double b) { return a < b ? a : b; }
-FACETA_INLINE double max(double a, double b) { return a > b ? a : b; }
-FACETA_INLINE int32_t min(int32_t a, int32_t b) { return a < b ? a : b; }
-FACETA_INLINE int32_t max(int32_t a, int32_t b) { return a > b ? a : b; }
+FACETA_INLINE float min(float a, float b) {
+  return a < b ? a : b;
+}
+FACETA_INLINE float max(float a, float b) {
+  return a > b ? a : b;
+}
+FACETA_INLINE double min(double a, double b) {
+  return a < b ? a : b;
+}
+FACETA_INLINE double max(double a, double b) {
+  return a > b ? a : b;
+}
+FACETA_INLINE int32_t min(int32_t a, int32_t b) {
+  return a < b ? a : b;
+}
+FACETA_INLINE int32_t max(int32_t a, int32_t b) {
+  return a > b ? a : b;
+}
 
-FACETA_INLINE float fma(float a, float b, float c) { return __builtin_fmaf(a, b, c); }
-FACETA_INLINE double fma(double a, double b, double c) { return __builtin_fma(a, b, c); }
-FACETA_INLINE float sqrt(float a) { return __builtin_sqrtf(a); }
-FACETA_INLINE double sqrt(double a) { return __builtin_sqrt(a); }
-FACETA_INLINE float abs(float a) { return __builtin_fabsf(a); }
-FACETA_INLINE double abs(double a) { return __builtin_fabs(a); }
-FACETA_INLINE float floor(float a) { return __builtin_floorf(a); }
-FACETA_INLINE double floor(double a) { return __builtin_floor(a); }
-FACETA_INLINE float copysign(float a, float b) { return __builtin_copysignf(a, b); }
-FACETA_INLINE double copysign(double a, double b) { return __builtin_copysign(a, b); }
+FACETA_INLINE float fma(float a, float b, float c) {
+  return __builtin_fmaf(a, b, c);
+}
+FACETA_INLINE double fma(double a, double b, double c) {
+  return __builtin_fma(a, b, c);
+}
+FACETA_INLINE float sqrt(float a) {
+  return __builtin_sqrtf(a);
+}
+FACETA_INLINE double sqrt(double a) {
+  return __builtin_sqrt(a);
+}
+FACETA_INLINE float abs(float a) {
+  return __builtin_fabsf(a);
+}
+FACETA_INLINE double abs(double a) {
+  return __builtin_fabs(a);
+}
+FACETA_INLINE float floor(float a) {
+  return __builtin_floorf(a);
+}
+FACETA_INLINE double floor(double a) {
+  return __builtin_floor(a);
+}
+FACETA_INLINE float copysign(float a, float b) {
+  return __builtin_copysignf(a, b);
+}
+FACETA_INLINE double copysign(double a, double b) {
+  return __builtin_copysign(a, b);
+}
 
 FACETA_INLINE bool is_finite(float a) {
   return (std::bit_cast<uint32_t>(a) & 0x7f800000u) != 0x7f800000u;
 }
-FACETA_INLINE bool is_finite(double a) { return std::isfinite(a); }
+FACETA_INLINE bool is_finite(double a) {
+  return std::isfinite(a);
+}
 
 // Conversions. to_int truncates; the argument must lie in the range of int32 (callers clamp).
-template <class T> FACETA_INLINE T from_int(int32_t i) { return T(i); }
-FACETA_INLINE int32_t to_int(float a) { return static_cast<int32_t>(a); }
-FACETA_INLINE int32_t to_int(double a) { return static_cast<int32_t>(a); }
-FACETA_INLINE int32_t float_bits(float a) { return std::bit_cast<int32_t>(a); }
-FACETA_INLINE float bits_float(int32_t a) { return std::bit_cast<float>(a); }
-FACETA_INLINE uint32_t as_uint(int32_t a) { return static_cast<uint32_t>(a); }
-FACETA_INLINE int32_t as_int(uint32_t a) { return static_cast<int32_t>(a); }
-FACETA_INLINE float to_float(int32_t a) { return static_cast<float>(a); }
+template <class T> FACETA_INLINE T from_int(int32_t i) {
+  return T(i);
+}
+FACETA_INLINE int32_t to_int(float a) {
+  return static_cast<int32_t>(a);
+}
+FACETA_INLINE int32_t to_int(double a) {
+  return static_cast<int32_t>(a);
+}
+FACETA_INLINE int32_t float_bits(float a) {
+  return std::bit_cast<int32_t>(a);
+}
+FACETA_INLINE float bits_float(int32_t a) {
+  return std::bit_cast<float>(a);
+}
+FACETA_INLINE uint32_t as_uint(int32_t a) {
+  return static_cast<uint32_t>(a);
+}
+FACETA_INLINE int32_t as_int(uint32_t a) {
+  return static_cast<int32_t>(a);
+}
+FACETA_INLINE float to_float(int32_t a) {
+  return static_cast<float>(a);
+}
 
 // Memory. Lane arrays are float/int32 arrays of NumberTraits<T>::kWidth consecutive values.
 template <class T> struct Memory {
@@ -90,7 +160,9 @@ template <class T> struct Memory {
   static int32_t load_int(const int32_t* p) { return *p; }
   static int32_t gather_int(const int32_t* base, int32_t index) { return base[index]; }
 };
-template <class T> FACETA_INLINE T load(const float* p) { return Memory<T>::load(p); }
+template <class T> FACETA_INLINE T load(const float* p) {
+  return Memory<T>::load(p);
+}
 template <class T> FACETA_INLINE T gather(const float* base, IntOf<T> index) {
   return Memory<T>::gather(base, index);
 }
@@ -100,19 +172,37 @@ template <class T> FACETA_INLINE IntOf<T> load_int(const int32_t* p) {
 template <class T> FACETA_INLINE IntOf<T> gather_int(const int32_t* base, IntOf<T> index) {
   return Memory<T>::gather_int(base, index);
 }
-FACETA_INLINE void store(float* p, float a) { *p = a; }
-FACETA_INLINE void store(int32_t* p, int32_t a) { *p = a; }
+FACETA_INLINE void store(float* p, float a) {
+  *p = a;
+}
+FACETA_INLINE void store(int32_t* p, int32_t a) {
+  *p = a;
+}
 /// Writes the values whose mask is set side by side; may overwrite up to a full width after them.
-FACETA_INLINE void compress_store(float* p, float a, bool) { *p = a; }
-FACETA_INLINE void compress_store(int32_t* p, int32_t a, bool) { *p = a; }
+FACETA_INLINE void compress_store(float* p, float a, bool) {
+  *p = a;
+}
+FACETA_INLINE void compress_store(int32_t* p, int32_t a, bool) {
+  *p = a;
+}
 /// 0, 1, 2, ... across the lanes.
-template <class T> FACETA_INLINE IntOf<T> iota() { return IntOf<T>(0); }
+template <class T> FACETA_INLINE IntOf<T> iota() {
+  return IntOf<T>(0);
+}
 /// The mask of the first n lanes.
-template <class T> FACETA_INLINE MaskOf<T> first_lanes(int n) { return MaskOf<T>(n > 0); }
+template <class T> FACETA_INLINE MaskOf<T> first_lanes(int n) {
+  return MaskOf<T>(n > 0);
+}
 /// The value of one lane.
-FACETA_INLINE float lane(float a, int) { return a; }
-FACETA_INLINE int32_t lane(int32_t a, int) { return a; }
-FACETA_INLINE bool lane(bool a, int) { return a; }
+FACETA_INLINE float lane(float a, int) {
+  return a;
+}
+FACETA_INLINE int32_t lane(int32_t a, int) {
+  return a;
+}
+FACETA_INLINE bool lane(bool a, int) {
+  return a;
+}
 
 } // namespace faceta
 

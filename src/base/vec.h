@@ -32,7 +32,9 @@ template <class T> FACETA_INLINE T dot(const Vec3<T>& a, const Vec3<T>& b) {
 template <class T> FACETA_INLINE Vec3<T> cross(const Vec3<T>& a, const Vec3<T>& b) {
   return {fma(a.y, b.z, -(a.z * b.y)), fma(a.z, b.x, -(a.x * b.z)), fma(a.x, b.y, -(a.y * b.x))};
 }
-template <class T> FACETA_INLINE T length(const Vec3<T>& a) { return sqrt(dot(a, a)); }
+template <class T> FACETA_INLINE T length(const Vec3<T>& a) {
+  return sqrt(dot(a, a));
+}
 template <class T> FACETA_INLINE Vec3<T> normalize(const Vec3<T>& a) {
   return a * (T(1) / length(a));
 }

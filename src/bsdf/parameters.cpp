@@ -146,8 +146,7 @@ void Parameters::set(const std::string& name, const std::string& text,
   if (p.kind == ParamKind::ior && !parse_number(text)) {
     std::optional<double> ior = find_dielectric(text);
     if (!ior)
-      throw Error("unknown dielectric '" + text + "'", where,
-                  suggestion(text, dielectric_names()));
+      throw Error("unknown dielectric '" + text + "'", where, suggestion(text, dielectric_names()));
     assign(p, {*ior});
     set_[name] = text;
     return;
@@ -187,8 +186,8 @@ void Parameters::check(const SourcePosition& where) const {
   for (auto& pair : pairs)
     if (was_set(pair[0]) != was_set(pair[1])) {
       std::string missing = was_set(pair[0]) ? pair[1] : pair[0];
-      throw Error("'" + std::string(pair[0]) + "' and '" + pair[1] + "' of '" +
-                      descriptor().name + "' must be given together",
+      throw Error("'" + std::string(pair[0]) + "' and '" + pair[1] + "' of '" + descriptor().name +
+                      "' must be given together",
                   where, "missing: " + missing);
     }
 }

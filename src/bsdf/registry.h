@@ -104,7 +104,8 @@ public:
   const Model& model() const { return *model_; }
   const Descriptor& descriptor() const { return model_->descriptor; }
 
-  /// Sets one from text as on the command line: a number, "r,g,b", a name (metal, ior, choice, flag).
+  /// Sets one from text as on the command line: a number, "r,g,b", a name (metal, ior, choice,
+  /// flag).
   void set(const std::string& name, const std::string& text, const SourcePosition& where = {});
   void set_number(const std::string& name, double value, const SourcePosition& where = {});
   void set_color(const std::string& name, const std::array<double, 3>& rgb,

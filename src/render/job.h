@@ -18,6 +18,9 @@ struct RenderSettings {
   float light_fraction = 1, bsdf_fraction = 1;
   /// direct: shading samples a camera sample; of these, so many choose a light and a direction.
   int32_t splits = 1, light_splits = 1, bsdf_splits = 1;
+  /// splits / light_splits and splits / bsdf_splits: a strategy that runs in few of the averaged
+  /// sub-paths counts more in each.
+  float light_scale = 1, bsdf_scale = 1;
 };
 
 /// Pixels [x, x + width) x [y, y + height) of the crop window, samples [first, first + samples).

@@ -25,9 +25,9 @@ template <class U> FACETA_INLINE U reverse_bits(U x) {
   return (x >> 16) | (x << 16);
 }
 
-/// A random permutation in which each bit depends on the lower ones only: Owen scrambling of a number
-/// whose lowest bit is its first binary digit (Laine and Karras 2011; constants of Vegdahl's search,
-/// see Burley 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4)).
+/// A random permutation in which each bit depends on the lower ones only: Owen scrambling of a
+/// number whose lowest bit is its first binary digit (Laine and Karras 2011; constants of Vegdahl's
+/// search, see Burley 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4)).
 template <class U> FACETA_INLINE U owen_scramble_reversed(U x, const U& seed) {
   x += seed;
   x ^= x * U(0x6c50b47cu);
@@ -38,7 +38,8 @@ template <class U> FACETA_INLINE U owen_scramble_reversed(U x, const U& seed) {
 }
 
 /// The digits of the second Sobol dimension, lowest bit first, from those of the index: the Pascal
-/// matrix modulo 2, whose entry (r, c) is odd exactly if the bits of r are among those of c (Lucas).
+/// matrix modulo 2, whose entry (r, c) is odd exactly if the bits of r are among those of c
+/// (Lucas).
 template <class U> FACETA_INLINE U sobol_second_reversed(U x) {
   x ^= (x >> 1) & U(0x55555555u);
   x ^= (x >> 2) & U(0x33333333u);
@@ -75,8 +76,8 @@ template <class T> struct SampleStream {
     // An Owen shuffle of the index decorrelates the pairs; blocks of 2^k samples stay nets.
     U index = reverse_bits(owen_scramble_reversed(reverse_bits(sample), key));
     U x = owen_scramble_reversed(index, key * U(0xc2b2ae35u) + U(0x27d4eb2fu));
-    U y = owen_scramble_reversed(sobol_second_reversed(index),
-                                 key * U(0x165667b1u) + U(0x9e3779b9u));
+    U y =
+        owen_scramble_reversed(sobol_second_reversed(index), key * U(0x165667b1u) + U(0x9e3779b9u));
     return {unit_float<T>(reverse_bits(x)), unit_float<T>(reverse_bits(y))};
   }
 };

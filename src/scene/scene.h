@@ -5,6 +5,7 @@
 
 #include "bsdf/registry.h"
 #include "image/bitmap.h"
+#include "image/image.h"
 #include "scene/mesh.h"
 #include "scene/primitives.h"
 #include "scene/view.h"

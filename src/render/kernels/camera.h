@@ -16,7 +16,8 @@ FACETA_INLINE float filter_cdf(const FilterView& f, float offset) {
 }
 
 /// An offset from the pixel centre with density proportional to the filter, kept inside
-/// [low, high] (pixels at the border of the film only see what is on it, as a splatting film would).
+/// [low, high] (pixels at the border of the film only see what is on it, as a splatting film
+/// would).
 template <class T>
 FACETA_INLINE T sample_filter(const FilterView& f, const T& u, const T& low, const T& high) {
   using I = IntOf<T>;
@@ -46,7 +47,8 @@ template <class T> struct CameraRay {
 };
 
 /// The ray through a film position in pixels of the whole film.
-template <class T> FACETA_INLINE CameraRay<T> camera_ray(const CameraView& c, const T& x, const T& y) {
+template <class T>
+FACETA_INLINE CameraRay<T> camera_ray(const CameraView& c, const T& x, const T& y) {
   const float* m = c.sample_to_camera;
   T fx = x / T(float(c.film_width)), fy = y / T(float(c.film_height));
   auto row = [&](int r) { return fma(T(m[4 * r]), fx, fma(T(m[4 * r + 1]), fy, T(m[4 * r + 3]))); };

@@ -24,9 +24,8 @@ namespace detail {
 
 /// Radiance and density inside cells at fractions (fx, fy).
 template <class T>
-FACETA_INLINE EnvironmentLight<T> environment_cell(const EnvironmentView& e,
-                                                   const IntOf<T>& cell, const T& fx, const T& fy,
-                                                   const T& sin_theta) {
+FACETA_INLINE EnvironmentLight<T> environment_cell(const EnvironmentView& e, const IntOf<T>& cell,
+                                                   const T& fx, const T& fy, const T& sin_theta) {
   alignas(64) int32_t rows[kWidthOf<T>];
   store(rows, cell);
   T w[16];
@@ -67,9 +66,8 @@ FACETA_INLINE EnvironmentLight<T> environment_light(const EnvironmentView& e, co
 }
 
 /// A direction towards the light from infinity: `choice` picks the cell, `u` the place in it.
-template <class T>
-FACETA_INLINE EnvironmentLight<T> sample_environment(const EnvironmentView& e,
-                                                     const Vec2<T>& choice, const Vec2<T>& u) {
+template <class T> FACETA_INLINE EnvironmentLight<T>
+sample_environment(const EnvironmentView& e, const Vec2<T>& choice, const Vec2<T>& u) {
   using I = IntOf<T>;
   if (e.columns == 0) {
     EnvironmentLight<T> light;

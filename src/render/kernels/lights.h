@@ -44,7 +44,8 @@ FACETA_INLINE LightLanes<T> load_lights(const SceneView& scene, const IntOf<T>& 
   return l;
 }
 
-// --- The light BVH (Conty Estevez and Kulla 2018; the importance as in Pharr et al. 2023, 12.6.3) ---
+// --- The light BVH (Conty Estevez and Kulla 2018; the importance as in Pharr et al. 2023, 12.6.3)
+// ---
 
 /// Conservative importance of a node for a point with normal n: 0 only where nothing arrives.
 template <class T>
@@ -97,8 +98,8 @@ template <class T> struct ChildImportances {
 };
 template <class T>
 FACETA_INLINE ChildImportances<T> child_importances(const SceneView& scene, const IntOf<T>& child,
-                                                    const Vec3<T>& p, const Vec3<T>& n,
-                                                    T (&a)[16], T (&b)[16]) {
+                                                    const Vec3<T>& p, const Vec3<T>& n, T (&a)[16],
+                                                    T (&b)[16]) {
   alignas(64) int32_t rows[kWidthOf<T>];
   store(rows, child);
   const float* base = reinterpret_cast<const float*>(scene.light_nodes);
@@ -107,9 +108,8 @@ FACETA_INLINE ChildImportances<T> child_importances(const SceneView& scene, cons
   return {node_importance(a, p, n), node_importance(b, p, n)};
 }
 
-template <class T>
-FACETA_INLINE LightChoice<T> choose_light(const SceneView& scene, const Vec3<T>& p,
-                                          const Vec3<T>& n, T u) {
+template <class T> FACETA_INLINE LightChoice<T>
+choose_light(const SceneView& scene, const Vec3<T>& p, const Vec3<T>& n, T u) {
   using I = IntOf<T>;
   const LightNode& root = scene.light_nodes[0];
   LightChoice<T> choice{I(root.light), T(1)};
@@ -117,8 +117,8 @@ FACETA_INLINE LightChoice<T> choose_light(const SceneView& scene, const Vec3<T>&
   auto descending = child >= I(0);
   while (any(descending)) {
     T a[16], b[16];
-    ChildImportances<T> importance = child_importances(scene, select(descending, child, I(0)), p,
-                                                       n, a, b);
+    ChildImportances<T> importance =
+        child_importances(scene, select(descending, child, I(0)), p, n, a, b);
     T sum = importance.first + importance.second;
     auto lost = !(sum > T(0));
     T p_first = select(lost, T(0.5f), importance.first / select(lost, T(1), sum));
@@ -126,8 +126,8 @@ FACETA_INLINE LightChoice<T> choose_light(const SceneView& scene, const Vec3<T>&
     T taken = select(take_first, p_first, T(1) - p_first);
     T rescaled = select(take_first, u, u - p_first) / select(taken > T(0), taken, T(1));
     u = select(descending, min(max(rescaled, T(0)), T(kOneMinusEpsilon)), u);
-    choice.probability = select(descending, select(lost, T(0), choice.probability * taken),
-                                choice.probability);
+    choice.probability =
+        select(descending, select(lost, T(0), choice.probability * taken), choice.probability);
     I next = select(take_first, as_integer(a[12]), as_integer(b[12]));
     I light = select(take_first, as_integer(a[13]), as_integer(b[13]));
     choice.light = select(descending, light, choice.light);
@@ -141,9 +141,9 @@ FACETA_INLINE LightChoice<T> choose_light(const SceneView& scene, const Vec3<T>&
 }
 
 /// The probability with which choose_light() takes a light, following its trail.
-template <class T>
-FACETA_INLINE T light_probability(const SceneView& scene, const LightLanes<T>& l,
-                                  const Vec3<T>& p, const Vec3<T>& n, MaskOf<T> active) {
+template <class T> FACETA_INLINE T light_probability(const SceneView& scene, const LightLanes<T>& l,
+                                                     const Vec3<T>& p, const Vec3<T>& n,
+                                                     MaskOf<T> active) {
   using I = IntOf<T>;
   T probability = T(1);
   I child = I(scene.light_nodes[0].child);
@@ -151,8 +151,8 @@ FACETA_INLINE T light_probability(const SceneView& scene, const LightLanes<T>& l
   auto descending = active & (level < l.depth);
   while (any(descending)) {
     T a[16], b[16];
-    ChildImportances<T> importance = child_importances(scene, select(descending, child, I(0)), p,
-                                                       n, a, b);
+    ChildImportances<T> importance =
+        child_importances(scene, select(descending, child, I(0)), p, n, a, b);
     T sum = importance.first + importance.second;
     auto lost = !(sum > T(0));
     T p_first = select(lost, T(0), importance.first / select(lost, T(1), sum));
@@ -237,15 +237,15 @@ FACETA_INLINE Vec3<T> sample_rectangle(const RectangleView<T>& r, const Vec2<T>&
 /// A point on a light seen from p.
 template <class T> struct LightPoint {
   Vec3<T> offset; ///< from p to the point
+  Vec3<T> normal; ///< there, on the emitting side
   T pdf;          ///< solid angle; 1 for a point light
   Vec2<T> uv;
   MaskOf<T> delta;
   MaskOf<T> valid;
 };
 
-template <class T>
-FACETA_INLINE LightPoint<T> sample_light(const SceneView& scene, const LightLanes<T>& l,
-                                         const Vec3<T>& p, const Vec2<T>& u) {
+template <class T> FACETA_INLINE LightPoint<T>
+sample_light(const SceneView& scene, const LightLanes<T>& l, const Vec3<T>& p, const Vec2<T>& u) {
   using I = IntOf<T>;
   auto is = [&](LightType type) { return l.type == I(static_cast<int32_t>(type)); };
   auto triangle = is(LightType::triangle), rectangle = is(LightType::rectangle);
@@ -287,8 +287,9 @@ FACETA_INLINE LightPoint<T> sample_light(const SceneView& scene, const LightLane
     Vec3<T> near_point = fma(anywhere, l.radius, to_center);
     s.offset = select(sphere, select(outside, w * along, near_point), s.offset);
     normal = select(sphere, anywhere * l.n.x, normal); // n.x: orientation of the sphere
-    solid_pdf = select(sphere & outside, T(1 / (2 * kPi)) / select(outside, cone, T(1)),
-                       solid_pdf);
+    // From the centre to the point, both seen from p.
+    normal = select(sphere & outside, normalize(s.offset - to_center) * l.n.x, normal);
+    solid_pdf = select(sphere & outside, T(1 / (2 * kPi)) / select(outside, cone, T(1)), solid_pdf);
     by_area = by_area | (sphere & !outside);
   }
   if (any(quadric))
@@ -296,6 +297,7 @@ FACETA_INLINE LightPoint<T> sample_light(const SceneView& scene, const LightLane
   T d2 = dot(s.offset, s.offset);
   T cosine = abs(dot(s.offset, normal)) / sqrt(max(d2, T(1e-30f)));
   T area_pdf = d2 / max(cosine * l.area, T(1e-30f));
+  s.normal = normal;
   s.pdf = select(point, T(1), select(by_area, area_pdf, solid_pdf));
   s.valid = (d2 > T(0)) & (s.pdf > T(0)) & (point | !by_area | (cosine > T(1e-7f)));
   s.uv = {fma(l.duv1.x, b1, fma(l.duv2.x, b2, l.uv0.x)),
@@ -305,9 +307,9 @@ FACETA_INLINE LightPoint<T> sample_light(const SceneView& scene, const LightLane
 
 /// The solid-angle density with which sample_light() from p finds a point it can see: `offset` from
 /// p to the point, `normal` there.
-template <class T>
-FACETA_INLINE T light_direction_pdf(const LightLanes<T>& l, const Vec3<T>& p,
-                                    const Vec3<T>& offset, const Vec3<T>& normal) {
+template <class T> FACETA_INLINE T light_direction_pdf(const LightLanes<T>& l, const Vec3<T>& p,
+                                                       const Vec3<T>& offset,
+                                                       const Vec3<T>& normal) {
   using I = IntOf<T>;
   T d2 = dot(offset, offset);
   T cosine = abs(dot(offset, normal)) / sqrt(max(d2, T(1e-30f)));

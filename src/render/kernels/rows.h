@@ -1,13 +1,14 @@
 #pragma once
 
-/// Fetching records by index: W rows of 16 words, transposed into 16 lanes values. Loads and shuffles
-/// instead of 16 gathers, which cost 20 cycles and more each on current CPUs.
+/// Fetching records by index: W rows of 16 words, transposed into 16 lanes values. Loads and
+/// shuffles instead of 16 gathers, which cost 20 cycles and more each on current CPUs.
 
 #include "base/number.h"
 
 namespace faceta {
 
-/// out[k] lane i = row(index[i])[k] for 16 words; rows are 64-byte aligned and `stride` words apart.
+/// out[k] lane i = row(index[i])[k] for 16 words; rows are 64-byte aligned and `stride` words
+/// apart.
 template <class T>
 FACETA_INLINE void load_rows(const float* base, int stride, const int32_t* index, T (&out)[16]) {
   for (int k = 0; k < 16; ++k)
@@ -51,9 +52,8 @@ FACETA_INLINE void transpose16(__m512 (&r)[16], __m512 (&out)[16]) {
     out[12 + j] = _mm512_shuffle_f32x4(b, d, 0xdd);
   }
 }
-template <>
-FACETA_INLINE void load_rows<Lanes>(const float* base, int stride, const int32_t* index,
-                                    Lanes (&out)[16]) {
+template <> FACETA_INLINE void load_rows<Lanes>(const float* base, int stride, const int32_t* index,
+                                                Lanes (&out)[16]) {
   __m512 r[16], t[16];
   for (int i = 0; i < 16; ++i)
     r[i] = _mm512_load_ps(base + int64_t(index[i]) * stride);
@@ -101,9 +101,8 @@ FACETA_INLINE void transpose8(__m256 (&r)[8]) {
 #endif
 
 #if FACETA_LANE_WIDTH == 8
-template <>
-FACETA_INLINE void load_rows<Lanes>(const float* base, int stride, const int32_t* index,
-                                    Lanes (&out)[16]) {
+template <> FACETA_INLINE void load_rows<Lanes>(const float* base, int stride, const int32_t* index,
+                                                Lanes (&out)[16]) {
   for (int half = 0; half < 2; ++half) {
     __m256 r[8];
     for (int i = 0; i < 8; ++i)
@@ -133,6 +132,8 @@ FACETA_INLINE int store_rows<Lanes>(float* out, LaneMask mask, const Lanes (&col
 #endif
 
 /// One word of the rows as integers.
-template <class T> FACETA_INLINE IntOf<T> as_integer(const T& word) { return float_bits(word); }
+template <class T> FACETA_INLINE IntOf<T> as_integer(const T& word) {
+  return float_bits(word);
+}
 
 } // namespace faceta

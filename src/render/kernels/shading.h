@@ -32,8 +32,8 @@ public:
 
   ShadingResult<T> shade(const ClassView& c, const ShadingQuery<T>& q) {
     if (c.single)
-      return run_leaf(c.leaf, gather_int<T>(&scene_.roots[0].row, q.root * IntOf<T>(kRootWords)),
-                      q, q.uc, true);
+      return run_leaf(c.leaf, gather_int<T>(&scene_.roots[0].row, q.root * IntOf<T>(kRootWords)), q,
+                      q.uc, true);
     return shade_tree(scene_.roots[c.first_root], q);
   }
 
@@ -60,7 +60,7 @@ private:
     const ProgramView& p = scene_.programs[leaf.program];
     bind_textures(p, row, q);
     store(rows_, row);
-    MaterialArgs args{p.records, p.stride,       p.choices, p.tables,
+    MaterialArgs args{p.records,  p.stride,       p.choices, p.tables,
                       p.textured, slot_pointers_, rows_,     0};
     put(wo_, {q.wo.x, q.wo.y, q.wo.z * side});
     put(wi_, {q.wi_light.x, q.wi_light.y, q.wi_light.z * side});
@@ -77,9 +77,15 @@ private:
       store(u_[0], q.u.x);
       store(u_[1], q.u.y);
       store(uc_, uc);
-      SampleArrays s{{wo_[0], wo_[1], wo_[2]}, {u_[0], u_[1]},           uc_,
-                     {uv_[0], uv_[1]},         {si_[0], si_[1], si_[2]}, {sv_[0], sv_[1], sv_[2]},
-                     sp_,                      {sw_[0], sw_[1], sw_[2]}, se_,
+      SampleArrays s{{wo_[0], wo_[1], wo_[2]},
+                     {u_[0], u_[1]},
+                     uc_,
+                     {uv_[0], uv_[1]},
+                     {si_[0], si_[1], si_[2]},
+                     {sv_[0], sv_[1], sv_[2]},
+                     sp_,
+                     {sw_[0], sw_[1], sw_[2]},
+                     se_,
                      flags_};
       p.kernel->eval_sample(args, e, s, kWidth);
       read_sample(r.sample, side);
@@ -122,9 +128,8 @@ private:
     T w = select(front, T(leaf.sides & kFrontSide ? 1 : 0), T(leaf.sides & kBackSide ? 1 : 0));
     for (int i = 0; i < leaf.weights; ++i) {
       const WeightView& step = scene_.weights[leaf.first_weight + i];
-      T x = step.texture < 0
-                ? T(step.constant)
-                : luminance(evaluate_texture<T>(scene_.textures, step.texture, q.uv));
+      T x = step.texture < 0 ? T(step.constant)
+                             : luminance(evaluate_texture<T>(scene_.textures, step.texture, q.uv));
       x = clamp01(x);
       w = w * (step.complement ? T(1) - x : x);
     }

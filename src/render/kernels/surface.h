@@ -11,7 +11,7 @@ namespace faceta {
 /// Hit codes: triangle index, or kQuadricHit + quadric index, or kNoHit.
 inline constexpr int32_t kNoHit = -1, kQuadricHit = 0x40000000;
 
-template <class T> struct SurfacePoint {
+template <class T> struct SurfaceLanes {
   Vec3<T> p;         ///< on the surface
   Vec3<T> geometric; ///< unit normal of the surface
   Frame<T> frame;    ///< shading frame
@@ -20,8 +20,7 @@ template <class T> struct SurfacePoint {
 };
 
 /// Shading frame from a normal and the direction of u (Gram-Schmidt); any tangent if there is none.
-template <class T>
-FACETA_INLINE Frame<T> shading_frame(const Vec3<T>& n, const Vec3<T>& dpdu) {
+template <class T> FACETA_INLINE Frame<T> shading_frame(const Vec3<T>& n, const Vec3<T>& dpdu) {
   Vec3<T> s = fma(n, -dot(n, dpdu), dpdu);
   T length2 = dot(s, s);
   auto degenerate = !(length2 > T(1e-24f));
@@ -45,9 +44,8 @@ template <class T> FACETA_INLINE Vec3<T> transform_normal(const T* m, const Vec3
           fma(m[2], n.x, fma(m[6], n.y, m[10] * n.z))};
 }
 
-template <class T>
-FACETA_INLINE SurfacePoint<T> triangle_point(const SceneView& scene, const IntOf<T>& index,
-                                             const Vec3<T>& o, const Vec3<T>& d) {
+template <class T> FACETA_INLINE SurfaceLanes<T>
+triangle_point(const SceneView& scene, const IntOf<T>& index, const Vec3<T>& o, const Vec3<T>& d) {
   alignas(64) int32_t rows[kWidthOf<T>];
   store(rows, index);
   const float* base = reinterpret_cast<const float*>(scene.triangles);
@@ -61,7 +59,7 @@ FACETA_INLINE SurfacePoint<T> triangle_point(const SceneView& scene, const IntOf
   Vec3<T> s = o - v0;
   T u = clamp01(dot(s, h) * inverse);
   T v = clamp(dot(d, cross(s, e1)) * inverse, T(0), T(1) - u);
-  SurfacePoint<T> point;
+  SurfaceLanes<T> point;
   point.p = fma(e1, u, fma(e2, v, v0));
   point.geometric = normalize(cross(e1, e2));
   T w = T(1) - u - v;
@@ -105,7 +103,7 @@ FACETA_INLINE QuadricLanes<T> load_quadrics(const SceneView& scene, const IntOf<
 
 /// A quadric at the distance that Embree's callback found.
 template <class T>
-FACETA_INLINE SurfacePoint<T> quadric_point(const SceneView& scene, const IntOf<T>& index,
+FACETA_INLINE SurfaceLanes<T> quadric_point(const SceneView& scene, const IntOf<T>& index,
                                             const Vec3<T>& o, const Vec3<T>& d, const T& t) {
   using I = IntOf<T>;
   QuadricLanes<T> q = load_quadrics<T>(scene, index);
@@ -121,27 +119,28 @@ FACETA_INLINE SurfacePoint<T> quadric_point(const SceneView& scene, const IntOf<
   T phi = atan2(l.y, l.x);
   phi = select(phi < T(0), phi + T(2 * kPi), phi);
   T theta = acos(clamp(l.z, T(-1), T(1)));
-  SurfacePoint<T> point;
+  SurfaceLanes<T> point;
   point.p = transform_point(q.to_world, l);
-  Vec3<T> n = select(disk, Vec3<T>{T(0), T(0), T(1)},
-                     Vec3<T>{l.x, l.y, select(sphere, l.z, T(0))});
+  Vec3<T> n = select(disk, Vec3<T>{T(0), T(0), T(1)}, Vec3<T>{l.x, l.y, select(sphere, l.z, T(0))});
   n = normalize(transform_normal(q.to_local, n)) * q.flip;
   point.geometric = n;
   T around = phi * T(kInvTwoPi);
-  point.uv = {select(disk, rho, around), select(sphere, theta * T(kInvPi), select(disk, around, l.z))};
+  point.uv = {select(disk, rho, around),
+              select(sphere, theta * T(kInvPi), select(disk, around, l.z))};
   // Along u: around the axis, outwards on a disk.
   T inverse_rho = T(1) / max(rho, T(1e-20f));
   auto center = disk & (rho < T(1e-20f));
-  Vec3<T> along = select(disk, Vec3<T>{select(center, T(1), l.x * inverse_rho), l.y * inverse_rho,
-                                       T(0)},
-                         Vec3<T>{-l.y, l.x, T(0)});
+  Vec3<T> along =
+      select(disk, Vec3<T>{select(center, T(1), l.x * inverse_rho), l.y * inverse_rho, T(0)},
+             Vec3<T>{-l.y, l.x, T(0)});
   point.frame = shading_frame(n, transform_vector(q.to_world, along));
   point.material = q.material;
   point.light = q.light;
   return point;
 }
 
-/// A uniform point on a disk or cylinder light: fills offset, normal and uv for the lanes of `mask`.
+/// A uniform point on a disk or cylinder light: fills offset, normal and uv for the lanes of
+/// `mask`.
 template <class T, class L>
 FACETA_INLINE void sample_quadric_light(const SceneView& scene, const L& light, MaskOf<T> mask,
                                         const Vec3<T>& p, const Vec2<T>& u, Vec3<T>& offset,
@@ -163,9 +162,8 @@ FACETA_INLINE void sample_quadric_light(const SceneView& scene, const L& light, 
 
 /// Where a ray leaves the surface on the side of `direction`. The offset covers the rounding of the
 /// point and of Embree's own (not robust) intersection, both proportional to the coordinates.
-template <class T>
-FACETA_INLINE Vec3<T> offset_origin(const SurfacePoint<T>& s, const Vec3<T>& direction,
-                                    const T& scene_scale) {
+template <class T> FACETA_INLINE Vec3<T>
+offset_origin(const SurfaceLanes<T>& s, const Vec3<T>& direction, const T& scene_scale) {
   T size = max(max(abs(s.p.x), abs(s.p.y)), max(abs(s.p.z), scene_scale));
   T epsilon = size * T(4e-6f);
   return fma(s.geometric, copysign(epsilon, dot(direction, s.geometric)), s.p);

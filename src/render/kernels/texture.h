@@ -1,7 +1,7 @@
 #pragma once
 
-/// Textures in lanes. A texture is evaluated for the lanes that use it; groups of lanes are sorted by
-/// material, so that a group meets few.
+/// Textures in lanes. A texture is evaluated for the lanes that use it; groups of lanes are sorted
+/// by material, so that a group meets few.
 
 #include "render/kernels/rows.h"
 #include "scene/view.h"
@@ -22,13 +22,13 @@ struct SrgbTable {
 inline const SrgbTable kSrgbTable;
 
 /// Wraps a texel coordinate into [0, size).
-template <class T>
-FACETA_INLINE IntOf<T> wrap_texel(const IntOf<T>& i, int size, WrapMode mode) {
+template <class T> FACETA_INLINE IntOf<T> wrap_texel(const IntOf<T>& i, int size, WrapMode mode) {
   using I = IntOf<T>;
   I n(size);
   if (mode == WrapMode::clamp)
     return min(max(i, I(0)), I(size - 1));
-  // The floor of i / size in float is exact enough: both are below 2^24 and one step mends the rest.
+  // The floor of i / size in float is exact enough: both are below 2^24 and one step mends the
+  // rest.
   T quotient = floor((to_float(i) + T(0.5f)) * T(1.0f / float(size)));
   I period = to_int(quotient);
   I rest = i - period * n;
@@ -60,8 +60,7 @@ FACETA_INLINE Color<T> fetch_texel(const TextureView& t, const IntOf<T>& x, cons
                   gather<T>(t.texels + 2, word));
 }
 
-template <class T>
-FACETA_INLINE Color<T> bitmap_texture(const TextureView& t, const Vec2<T>& st) {
+template <class T> FACETA_INLINE Color<T> bitmap_texture(const TextureView& t, const Vec2<T>& st) {
   using I = IntOf<T>;
   // Beyond +-2^20 texels single precision has no fractions left.
   T limit = T(0x1p20f);
@@ -99,16 +98,15 @@ Color<T> evaluate_texture(const TextureView* textures, int id, const Vec2<T>& uv
   auto right = st.x - floor(st.x) > T(0.5f), upper = st.y - floor(st.y) > T(0.5f);
   Color<T> side[2];
   for (int k = 0; k < 2; ++k)
-    side[k] = t.child[k] >= 0
-                  ? evaluate_texture<T>(textures, t.child[k], uv)
-                  : Color<T>(T(t.color[k][0]), T(t.color[k][1]), T(t.color[k][2]));
+    side[k] = t.child[k] >= 0 ? evaluate_texture<T>(textures, t.child[k], uv)
+                              : Color<T>(T(t.color[k][0]), T(t.color[k][1]), T(t.color[k][2]));
   return select(right ^ upper, side[1], side[0]);
 }
 
-/// Each lane's own texture (id < 0: white), by a loop over the distinct ones among the active lanes.
-template <class T>
-Color<T> evaluate_textures(const TextureView* textures, const IntOf<T>& ids, const Vec2<T>& uv,
-                           MaskOf<T> active) {
+/// Each lane's own texture (id < 0: white), by a loop over the distinct ones among the active
+/// lanes.
+template <class T> Color<T> evaluate_textures(const TextureView* textures, const IntOf<T>& ids,
+                                              const Vec2<T>& uv, MaskOf<T> active) {
   Color<T> result(T(1));
   auto remaining = active & (ids >= IntOf<T>(0));
   while (any(remaining)) {

@@ -8,18 +8,16 @@ namespace {
 constexpr int kPoolRows = kPoolSize + Wavefront::kPad;
 constexpr int kCameraStride = kPoolRows;
 constexpr int kShadowStride = kPoolRows;
-// Pairs of random numbers: the film takes pair 0, each vertex five.
-constexpr int kPairsPerVertex = 5;
 } // namespace
 
 Wavefront::Wavefront(const RenderJob& job, RenderCounters& counters)
     : job_(job), scene_(*job.scene), counters_(counters), shader_(*job.scene),
-      scene_scale_(scene_.environment.scene_radius * 0.05f), rows_(16 * kPoolRows),
-      next_rows_(16 * kPoolRows), hits_(kPoolRows), order_(kPoolRows), keys_(kPoolRows),
-      distances_(kPoolRows), camera_rays_(8 * kCameraStride), shadow_rays_(10 * kShadowStride),
-      shadow_slots_(kPoolRows), blocked_(kPoolRows), pixel_x_(kPoolRows), pixel_y_(kPoolRows),
-      samples_(kPoolRows), radiance_(size_t(kChunkRing) * kMaxChunkPaths * 4),
-      begin_(scene_.root_count + 2) {}
+      scene_scale_(scene_.environment.scene_radius * 0.05f), row_memory_(2 * 16 * kPoolRows),
+      rows_(row_memory_), next_rows_(row_memory_ + 16 * kPoolRows), hits_(kPoolRows),
+      order_(kPoolRows), keys_(kPoolRows), distances_(kPoolRows), camera_rays_(8 * kCameraStride),
+      shadow_rays_(10 * kShadowStride), shadow_slots_(kPoolRows), blocked_(kPoolRows),
+      pixel_x_(kPoolRows), pixel_y_(kPoolRows), samples_(kPoolRows),
+      radiance_(size_t(kChunkRing) * kMaxChunkPaths * 4), begin_(scene_.root_count + 2) {}
 
 void Wavefront::run() {
   for (;;) {
@@ -40,11 +38,8 @@ void Wavefront::run() {
         shade_class(k, order_ + first, last - first);
     }
     shadows();
-    for (int i = 0; i < 16 * kPoolRows; i += 16 * kPoolRows)
-      std::swap(const_cast<float*&>(reinterpret_cast<float* const&>(rows_)),
-                const_cast<float*&>(reinterpret_cast<float* const&>(next_rows_)));
-    count_ = traced_ = next_count_;
-    traced_ = 0;
+    std::swap(rows_, next_rows_);
+    count_ = next_count_;
     finish_chunks();
   }
 }
@@ -68,8 +63,8 @@ bool Wavefront::open_chunk() {
 void Wavefront::refill() {
   int survivors = count_;
   while (count_ < kPoolSize) {
-    if (tail_ == head_ || ring_[(tail_ - 1) % kChunkRing].generated ==
-                              ring_[(tail_ - 1) % kChunkRing].chunk.paths())
+    if (tail_ == head_ ||
+        ring_[(tail_ - 1) % kChunkRing].generated == ring_[(tail_ - 1) % kChunkRing].chunk.paths())
       if (!open_chunk())
         break;
     ChunkState& c = ring_[(tail_ - 1) % kChunkRing];
@@ -118,14 +113,28 @@ void Wavefront::generate(int count) {
     for (int k = 0; k < 8; ++k)
       store(rays + k * kCameraStride + i, fields[k]);
     I slot = I(first_slot + i) + iota<T>();
-    T row[16] = {r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, T(-1), T(1), T(1), T(1), T(1),
-                 bits_float(slot), bits_float(pixel_index), bits_float(s), bits_float(I(0)),
+    T row[16] = {r.o.x,
+                 r.o.y,
+                 r.o.z,
+                 r.d.x,
+                 r.d.y,
+                 r.d.z,
+                 T(-1),
+                 T(1),
+                 T(1),
+                 T(1),
+                 T(1),
+                 bits_float(slot),
+                 bits_float(pixel_index),
+                 bits_float(s),
+                 bits_float(I(0)),
                  bits_float(I(0))};
     store_rows<T>(rows_ + 16 * (count_ + i), M(true), row);
   }
   RayArrays arrays{{rays, rays + kCameraStride, rays + 2 * kCameraStride},
                    {rays + 3 * kCameraStride, rays + 4 * kCameraStride, rays + 5 * kCameraStride},
-                   rays + 6 * kCameraStride, rays + 7 * kCameraStride};
+                   rays + 6 * kCameraStride,
+                   rays + 7 * kCameraStride};
   if (job_.record)
     job_.record(job_.user, RayKind::camera, &arrays, count);
   trace_camera(scene_, arrays, count, hits_ + count_, distances_ + count_);
@@ -165,7 +174,8 @@ void Wavefront::trace() {
         arrays[k * size_t(traced_) + i] = rows_[16 * i + k];
     const float* a = arrays.data();
     size_t n = traced_;
-    RayArrays rays{{a, a + n, a + 2 * n}, {a + 3 * n, a + 4 * n, a + 5 * n}, near.data(), far.data()};
+    RayArrays rays{
+        {a, a + n, a + 2 * n}, {a + 3 * n, a + 4 * n, a + 5 * n}, near.data(), far.data()};
     job_.record(job_.user, RayKind::closest, &rays, traced_);
   }
   // A packet may write past the survivors, where the first camera hits lie.
@@ -225,8 +235,6 @@ Wavefront::PathLanes Wavefront::load_paths(const int32_t* order) const {
   return p;
 }
 
-SurfacePoint<T_Lanes> dummy_never_defined();
-
 void Wavefront::add(const Color<T>& c, const I& slot, M mask) {
   alignas(64) float r[W], g[W], b[W];
   alignas(64) int32_t slots[W];
@@ -261,10 +269,9 @@ void Wavefront::shade_misses(const int32_t* order, int n) {
     EnvironmentLight<T> light = environment_light(e, path.d);
     auto mis = path.pdf > T(0);
     T other = light.pdf * T(e.probability * job_.settings.light_fraction);
-    T weight = select(mis,
-                      power_heuristic(max(path.pdf, T(1e-30f)) * T(job_.settings.bsdf_fraction),
-                                      other),
-                      T(1));
+    T weight = select(
+        mis, power_heuristic(max(path.pdf, T(1e-30f)) * T(job_.settings.bsdf_fraction), other),
+        T(1));
     if (job_.settings.hide_emitters)
       active = active & (path.depth > I(0));
     add(path.throughput * light.radiance * weight, path.slot, active);

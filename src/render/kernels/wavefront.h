@@ -1,10 +1,10 @@
 #pragma once
 
-/// The wavefront path tracer of one thread: a pool of paths that moves through stages (refill, trace,
-/// sort by material class, shade in lanes, shadow rays) until its chunks are done.
+/// The wavefront path tracer of one thread: a pool of paths that moves through stages (refill,
+/// trace, sort by material class, shade in lanes, shadow rays) until its chunks are done.
 ///
-/// A path is one 64-byte row: origin, direction, density of its last sample (negative: a delta or the
-/// camera), eta, throughput, slot, pixel, sample, depth, packed normal of its last vertex.
+/// A path is one 64-byte row: origin, direction, density of its last sample (negative: a delta or
+/// the camera), eta, throughput, slot, pixel, sample, depth, packed normal of its last vertex.
 
 #include "render/kernels/camera.h"
 #include "render/kernels/lights.h"
@@ -112,13 +112,13 @@ private:
   void shadows();
 
   PathLanes load_paths(const int32_t* order) const;
-  SurfacePoint<T> surface(const int32_t* order, const PathLanes& path) const;
-  Color<T> emission(const PathLanes& path, const SurfacePoint<T>& s, M active);
-  LightSample sample_lights(const SurfacePoint<T>& s, const SampleStream<T>& stream,
+  SurfaceLanes<T> surface(const int32_t* order, const PathLanes& path) const;
+  Color<T> emission(const PathLanes& path, const SurfaceLanes<T>& s, M active);
+  LightSample sample_lights(const SurfaceLanes<T>& s, const SampleStream<T>& stream,
                             const I& dimension);
-  void queue_shadow(const SurfacePoint<T>& s, const LightSample& l, const Color<T>& contribution,
+  void queue_shadow(const SurfaceLanes<T>& s, const LightSample& l, const Color<T>& contribution,
                     const I& slot, M mask);
-  void continue_paths(const PathLanes& path, const SurfacePoint<T>& s, const Sample<T>& sample,
+  void continue_paths(const PathLanes& path, const SurfaceLanes<T>& s, const Sample<T>& sample,
                       const SampleStream<T>& stream, const I& dimension, M active);
   void add(const Color<T>& c, const I& slot, M mask);
 
@@ -130,7 +130,8 @@ private:
 
   int count_ = 0, next_count_ = 0, shadow_count_ = 0;
   int traced_ = 0; ///< paths whose hits are known (camera rays are traced when they are made)
-  AlignedArray<float> rows_, next_rows_;
+  AlignedArray<float> row_memory_;
+  float *rows_, *next_rows_; ///< the pool, and the one that survivors move to
   AlignedArray<int32_t> hits_, order_, keys_;
   AlignedArray<float> distances_;
   AlignedArray<float> camera_rays_; ///< origin, direction, near, far as arrays

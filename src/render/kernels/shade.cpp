@@ -1,0 +1,280 @@
+#include "render/kernels/wavefront.h"
+
+namespace faceta {
+
+namespace {
+constexpr int kShadowStride = kPoolSize + Wavefront::kPad;
+// Pairs of random numbers: the film takes pair 0, each vertex five.
+constexpr int kPairsPerVertex = 5;
+} // namespace
+
+void Wavefront::shade_class(const ClassView& c, const int32_t* order, int n) {
+  for (int i = 0; i < n; i += W) {
+    // Idle lanes of the last group repeat its first path.
+    alignas(64) int32_t group[W];
+    for (int k = 0; k < W; ++k)
+      group[k] = order[i + k < n ? i + k : i];
+    shade_group(c, group, min(W, n - i));
+  }
+  counters_.vertices += n;
+  counters_.groups += (n + W - 1) / W;
+}
+
+SurfaceLanes<Lanes> Wavefront::surface(const int32_t* order, const PathLanes& path) const {
+  alignas(64) int32_t codes[W];
+  alignas(64) float distances[W];
+  bool quadrics = false, triangles = false;
+  for (int k = 0; k < W; ++k) {
+    codes[k] = hits_[order[k]];
+    bool quadric = codes[k] >= kQuadricHit;
+    quadrics |= quadric;
+    triangles |= !quadric;
+    distances[k] = distances_[order[k]];
+  }
+  I code = load_int<T>(codes);
+  if (!quadrics)
+    return triangle_point<T>(scene_, code, path.o, path.d);
+  M is_quadric = code >= I(kQuadricHit);
+  I quadric_index = select(is_quadric, code - I(kQuadricHit), I(0));
+  SurfaceLanes<T> q = quadric_point<T>(scene_, quadric_index, path.o, path.d, load<T>(distances));
+  if (!triangles)
+    return q;
+  SurfaceLanes<T> t = triangle_point<T>(scene_, select(is_quadric, I(0), code), path.o, path.d);
+  SurfaceLanes<T> s;
+  s.p = select(is_quadric, q.p, t.p);
+  s.geometric = select(is_quadric, q.geometric, t.geometric);
+  s.frame = {select(is_quadric, q.frame.s, t.frame.s), select(is_quadric, q.frame.t, t.frame.t),
+             select(is_quadric, q.frame.n, t.frame.n)};
+  s.uv = {select(is_quadric, q.uv.x, t.uv.x), select(is_quadric, q.uv.y, t.uv.y)};
+  s.material = select(is_quadric, q.material, t.material);
+  s.light = select(is_quadric, q.light, t.light);
+  return s;
+}
+
+/// Light that the path met by chance, weighted against having sampled it.
+Color<Lanes> Wavefront::emission(const PathLanes& path, const SurfaceLanes<T>& s, M active) {
+  M lit = active & (s.light >= I(0)) & (dot(path.d, s.frame.n) < T(0));
+  if (job_.settings.hide_emitters)
+    lit = lit & (path.depth > I(0));
+  if (none(lit))
+    return Color<T>(T(0));
+  LightLanes<T> l = load_lights<T>(scene_, select(lit, s.light, I(0)));
+  Color<T> radiance = l.radiance;
+  M textured = lit & (l.texture >= I(0));
+  if (any(textured))
+    radiance *= evaluate_textures<T>(scene_.textures, l.texture, s.uv, textured);
+  M weighed = lit & (path.pdf > T(0)) & (l.depth >= I(0));
+  T weight = T(1);
+  if (any(weighed)) {
+    Vec3<T> n = unpack_normal<T>(path.normal);
+    T probability = light_probability(scene_, l, path.o, n, weighed);
+    T pdf = light_direction_pdf(l, path.o, s.p - path.o, s.geometric);
+    T share = T((1 - scene_.environment.probability) * job_.settings.light_fraction);
+    T w = power_heuristic(max(path.pdf, T(1e-30f)) * T(job_.settings.bsdf_fraction),
+                          pdf * probability * share);
+    weight = select(weighed, w, T(1));
+  }
+  return select(lit, path.throughput * radiance * weight, Color<T>(T(0)));
+}
+
+Wavefront::LightSample Wavefront::sample_lights(const SurfaceLanes<T>& s,
+                                                const SampleStream<T>& stream, const I& dimension) {
+  Vec2<T> u = stream.pair(as_uint(dimension));
+  Vec2<T> choice = stream.pair(as_uint(dimension + I(2)));
+  const EnvironmentView& e = scene_.environment;
+  T p_environment = T(e.probability);
+  M from_environment = choice.x < p_environment;
+  LightSample r;
+  r.delta = M(false);
+  r.valid = M(false);
+  r.radiance = Color<T>(T(0));
+  r.pdf = T(1);
+  r.distance = T(1);
+  r.direction = s.frame.n;
+  if (e.probability < 1) {
+    T v = min((choice.x - p_environment) / (T(1) - p_environment), T(kOneMinusEpsilon));
+    LightChoice<T> light = choose_light(scene_, s.p, s.frame.n, max(v, T(0)));
+    LightLanes<T> l = load_lights<T>(scene_, light.light);
+    LightPoint<T> point = sample_light(scene_, l, s.p, u);
+    T distance = sqrt(dot(point.offset, point.offset));
+    r.distance = distance;
+    r.direction = point.offset * (T(1) / distance);
+    T probability = light.probability * (T(1) - p_environment);
+    r.pdf = point.pdf * probability;
+    r.delta = point.delta;
+    M facing = point.delta | (dot(r.direction, point.normal) < T(0));
+    r.valid = point.valid & facing & (probability > T(0)) & !from_environment;
+    r.radiance = l.radiance;
+    M textured = r.valid & (l.texture >= I(0));
+    if (any(textured))
+      r.radiance *= evaluate_textures<T>(scene_.textures, l.texture, point.uv, textured);
+    T falloff = select(point.delta, T(1) / (distance * distance), T(1));
+    r.radiance *= falloff / select(r.valid, r.pdf, T(1));
+  }
+  if (e.probability > 0 && any(from_environment)) {
+    Vec2<T> place = e.columns ? stream.pair(as_uint(dimension + I(4))) : u;
+    EnvironmentLight<T> light = sample_environment(e, u, place);
+    T pdf = light.pdf * p_environment;
+    r.direction = select(from_environment, light.direction, r.direction);
+    r.distance = select(from_environment, T(1e30f), r.distance);
+    r.pdf = select(from_environment, pdf, r.pdf);
+    r.valid = select(from_environment, pdf > T(0), r.valid);
+    r.delta = r.delta & !from_environment;
+    Color<T> radiance = light.radiance * (T(1) / select(pdf > T(0), pdf, T(1)));
+    r.radiance = select(from_environment, radiance, r.radiance);
+  }
+  return r;
+}
+
+void Wavefront::shade_group(const ClassView& c, const int32_t* order, int n) {
+  const RenderSettings& settings = job_.settings;
+  M active = first_lanes<T>(n);
+  PathLanes path = load_paths(order);
+  SurfaceLanes<T> s = surface(order, path);
+  add(emission(path, s, active), path.slot, active & (s.light >= I(0)));
+  if (settings.max_depth >= 0)
+    active = active & (path.depth + I(1) < I(settings.max_depth));
+  if (none(active))
+    return;
+
+  SampleStream<T> stream(as_uint(path.pixel), as_uint(path.sample), settings.seed,
+                         settings.sampler == SamplerType::sobol);
+  I dimension = I(1) + path.depth * I(kPairsPerVertex);
+  ShadingQuery<T> q;
+  q.wo = s.frame.to_local(-path.d);
+  q.uv = s.uv;
+  q.u = stream.pair(as_uint(dimension + I(1)));
+  Vec2<T> choices = stream.pair(as_uint(dimension + I(3)));
+  q.uc = choices.y;
+  q.root = s.material;
+  q.active = active;
+  q.wi_light = q.wo;
+
+  // Sub-paths of the direct integrator: the first light_splits sample lights, the first bsdf_splits
+  // follow the material.
+  M use_light = active, use_bsdf = active;
+  if (settings.splits > 1 || settings.light_splits == 0 || settings.bsdf_splits == 0) {
+    T whole = floor((to_float(path.sample) + T(0.5f)) * T(1.0f / settings.splits));
+    I split = path.sample - to_int(whole) * I(settings.splits);
+    use_light = active & (split < I(settings.light_splits));
+    use_bsdf = active & (split < I(settings.bsdf_splits));
+  }
+  bool delta_only = c.single && c.leaf.program >= 0 && scene_.programs[c.leaf.program].delta_only;
+  bool lights = (scene_.environment.probability > 0 || scene_.light_nodes[0].child >= 0 ||
+                 scene_.light_nodes[0].light >= 0) &&
+                !delta_only && any(use_light);
+  LightSample l;
+  if (lights) {
+    l = sample_lights(s, stream, dimension);
+    q.wi_light = s.frame.to_local(l.direction);
+  }
+  ShadingResult<T> r = shader_.shade(c, q);
+  if (lights) {
+    T pdf = r.light.pdf * T(settings.bsdf_fraction);
+    T weight = select(l.delta | (settings.bsdf_splits == 0 ? M(true) : M(false)), T(1),
+                      power_heuristic(l.pdf * T(settings.light_fraction), pdf));
+    weight = weight * T(settings.light_scale);
+    Color<T> contribution = path.throughput * r.light.value * l.radiance * weight;
+    M useful = use_light & l.valid & (max_component(contribution) > T(0));
+    queue_shadow(s, l, contribution, path.slot, useful);
+  }
+  continue_paths(path, s, r.sample, stream, dimension, use_bsdf);
+}
+
+void Wavefront::queue_shadow(const SurfaceLanes<T>& s, const LightSample& l,
+                             const Color<T>& contribution, const I& slot, M mask) {
+  if (none(mask))
+    return;
+  Vec3<T> o = offset_origin(s, l.direction, T(scene_scale_));
+  const T fields[10] = {o.x,
+                        o.y,
+                        o.z,
+                        l.direction.x,
+                        l.direction.y,
+                        l.direction.z,
+                        l.distance * T(1 - 1e-4f),
+                        contribution[0],
+                        contribution[1],
+                        contribution[2]};
+  float* out = shadow_rays_ + shadow_count_;
+  for (int k = 0; k < 10; ++k)
+    compress_store(out + k * kShadowStride, fields[k], mask);
+  compress_store(shadow_slots_ + shadow_count_, slot, mask);
+  shadow_count_ += count(mask);
+}
+
+void Wavefront::continue_paths(const PathLanes& path, const SurfaceLanes<T>& s,
+                               const Sample<T>& sample, const SampleStream<T>& stream,
+                               const I& dimension, M active) {
+  Vec3<T> d = normalize(s.frame.to_world(sample.wi));
+  Color<T> throughput = path.throughput * sample.weight * T(job_.settings.bsdf_scale);
+  T eta = path.eta * sample.eta;
+  T largest = max_component(throughput);
+  M alive = active & sample.valid & (largest > T(0));
+  I depth = path.depth + I(1);
+  M roulette = depth >= I(job_.settings.rr_depth);
+  if (any(alive & roulette)) {
+    T q = min(largest * eta * eta, T(0.95f));
+    T u = stream.pair(as_uint(dimension + I(3))).x;
+    throughput = select(roulette, throughput * (T(1) / q), throughput);
+    alive = alive & ((!roulette) | (u < q));
+  }
+  if (none(alive))
+    return;
+  Vec3<T> o = offset_origin(s, d, T(scene_scale_));
+  T pdf = select(sample.delta, T(-1), sample.pdf);
+  T row[16] = {o.x,
+               o.y,
+               o.z,
+               d.x,
+               d.y,
+               d.z,
+               pdf,
+               eta,
+               throughput[0],
+               throughput[1],
+               throughput[2],
+               bits_float(path.slot),
+               bits_float(path.pixel),
+               bits_float(path.sample),
+               bits_float(depth),
+               bits_float(pack_normal(s.frame.n))};
+  next_count_ += store_rows<T>(next_rows_ + 16 * next_count_, alive, row);
+  // Chunks stay open while one of their paths lives.
+  alignas(64) int32_t slots[W];
+  store(slots, path.slot);
+  for (uint32_t bits = mask_bits(alive); bits; bits &= bits - 1)
+    ++ring_[slots[__builtin_ctz(bits)] / kMaxChunkPaths].alive;
+}
+
+void Wavefront::shadows() {
+  if (shadow_count_ == 0)
+    return;
+  const float* a = shadow_rays_;
+  constexpr int n = kShadowStride;
+  RayArrays rays{{a, a + n, a + 2 * n}, {a + 3 * n, a + 4 * n, a + 5 * n}, nullptr, a + 6 * n};
+  if (job_.record) {
+    std::vector<float> near(shadow_count_, 0.0f);
+    RayArrays recorded = rays;
+    recorded.near = near.data();
+    job_.record(job_.user, RayKind::shadow, &recorded, shadow_count_);
+  }
+  trace_shadow(scene_, rays, shadow_count_, blocked_);
+  for (int i = 0; i < shadow_count_; ++i)
+    if (!blocked_[i]) {
+      float* pixel = radiance_ + 4 * size_t(shadow_slots_[i]);
+      for (int k = 0; k < 3; ++k)
+        pixel[k] += a[(7 + k) * n + i];
+    }
+  counters_.shadow_rays += shadow_count_;
+}
+
+} // namespace faceta
+
+const faceta::RenderKernels* faceta_render_kernels() {
+  static const faceta::RenderKernels kernels{
+      faceta::Wavefront::W, [](const faceta::RenderJob& job, faceta::RenderCounters& counters) {
+        faceta::Wavefront(job, counters).run();
+      }};
+  return &kernels;
+}
