@@ -71,8 +71,10 @@ const ParamInfo& Parameters::info(const std::string& name, const SourcePosition&
               suggestion(name, descriptor().param_names()));
 }
 
-void Parameters::check_range(const ParamInfo& p, double value, const SourcePosition& where) const {
-  if (std::isfinite(value) && value >= p.hard.low && value <= p.hard.high)
+void Parameters::check_range(const ParamInfo& p, double value, const SourcePosition& where,
+                             AboveRange above) const {
+  if (std::isfinite(value) && value >= p.hard.low &&
+      (value <= p.hard.high || above == AboveRange::keep))
     return;
   std::string range = "from " + format_number(p.hard.low);
   range += std::isinf(p.hard.high) ? " up" : " to " + format_number(p.hard.high);
@@ -86,23 +88,24 @@ void Parameters::assign(const ParamInfo& p, const std::vector<double>& values) {
     slots_[p.slot + i] = values[values.size() == 1 ? 0 : i];
 }
 
-void Parameters::set_number(const std::string& name, double value, const SourcePosition& where) {
+void Parameters::set_number(const std::string& name, double value, const SourcePosition& where,
+                            AboveRange above) {
   const ParamInfo& p = info(name, where);
   if (p.slot < 0)
     throw Error("parameter '" + name + "' of '" + descriptor().name + "' is not a number", where,
                 p.choices.empty() ? "give a name" : suggestion("", p.choices));
-  check_range(p, value, where);
+  check_range(p, value, where, above);
   assign(p, {value});
   set_[name] = "";
 }
 
 void Parameters::set_color(const std::string& name, const std::array<double, 3>& rgb,
-                           const SourcePosition& where) {
+                           const SourcePosition& where, AboveRange above) {
   const ParamInfo& p = info(name, where);
   if (p.kind != ParamKind::reflectance && p.kind != ParamKind::spectrum)
     throw Error("parameter '" + name + "' of '" + descriptor().name + "' is not a colour", where);
   for (double v : rgb)
-    check_range(p, v, where);
+    check_range(p, v, where, above);
   assign(p, {rgb[0], rgb[1], rgb[2]});
   set_[name] = "";
 }
@@ -209,14 +212,6 @@ std::string Parameters::text(const std::string& param) const {
     return format_number(v[0]) + "," + format_number(v[1]) + "," + format_number(v[2]);
   }
   return format_number(slots_[p.slot]);
-}
-
-Parameters make_parameters(const std::string& model, const Settings& settings) {
-  Parameters p(Registry::global().get(model));
-  for (const auto& [key, value] : settings)
-    p.set(key, value);
-  p.check();
-  return p;
 }
 
 } // namespace faceta

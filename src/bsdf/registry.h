@@ -95,6 +95,10 @@ private:
 /// or faceta beside the running library or program.
 std::string module_directory();
 
+/// What becomes of a number above a parameter's hard range: an Error, or it is kept as it is. The
+/// scene contract keeps a number given for a colour or a texture (a float reflectance of 1.5).
+enum class AboveRange { refuse, keep };
+
 /// A model with values for its parameters, by name: what scene files, the command line and tests
 /// build, before textures and tables. Errors carry the place given by the caller.
 class Parameters {
@@ -107,9 +111,10 @@ public:
   /// Sets one from text as on the command line: a number, "r,g,b", a name (metal, ior, choice,
   /// flag).
   void set(const std::string& name, const std::string& text, const SourcePosition& where = {});
-  void set_number(const std::string& name, double value, const SourcePosition& where = {});
+  void set_number(const std::string& name, double value, const SourcePosition& where = {},
+                  AboveRange above = AboveRange::refuse);
   void set_color(const std::string& name, const std::array<double, 3>& rgb,
-                 const SourcePosition& where = {});
+                 const SourcePosition& where = {}, AboveRange above = AboveRange::refuse);
   /// Marks a parameter as given by a texture whose mean is `mean_rgb` (scalars: its mean channel).
   void set_texture(const std::string& name, const std::array<double, 3>& mean_rgb,
                    const SourcePosition& where = {});
@@ -127,7 +132,8 @@ public:
 
 private:
   const ParamInfo& info(const std::string& name, const SourcePosition& where) const;
-  void check_range(const ParamInfo& p, double value, const SourcePosition& where) const;
+  void check_range(const ParamInfo& p, double value, const SourcePosition& where,
+                   AboveRange above = AboveRange::refuse) const;
   void assign(const ParamInfo& p, const std::vector<double>& values);
 
   const Model* model_;
@@ -136,7 +142,7 @@ private:
   std::map<std::string, std::string> set_; ///< parameters given, with the name they were given by
 };
 
-/// A model by name with "key=value" settings.
+/// A built-in model by name with "key=value" settings. (Defined in the room materials/.)
 Parameters make_parameters(const std::string& model, const Settings& settings);
 
 } // namespace faceta
