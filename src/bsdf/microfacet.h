@@ -85,7 +85,7 @@ template <class T> struct Microfacet {
       return sample_cap(wo, u, T(1));
     T r = roughness_towards(wo);
     auto tilted = r > T(0);
-    T inverse = T(1) / select(tilted, r, T(1));
+    T inverse = T(1) / select(tilted, r, T(1e-30)); // straight from above: cot = inf
     T c = select(tilted, alpha_u * wo.x * inverse, T(1)), s = alpha_v * wo.y * inverse;
     // Slopes of the unit surface along and across the direction of view (Heitz and d'Eon 2014).
     T along = beckmann_visible_slope(wo.z * inverse, u.x);
