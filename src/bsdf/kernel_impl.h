@@ -7,6 +7,9 @@
 
 namespace faceta {
 
+// A model travels in registers only if everything is inlined into the loop, describe() included.
+#define FACETA_FLATTEN __attribute__((flatten))
+
 template <template <class> class Model> struct KernelOf {
   using T = Lanes;
 
@@ -46,16 +49,16 @@ template <template <class> class Model> struct KernelOf {
     store(s.flags + i, select(r.valid, flags, I(0)));
   }
 
-  static void eval(const MaterialArgs& a, const EvalArrays& e, int n) {
+  static FACETA_FLATTEN void eval(const MaterialArgs& a, const EvalArrays& e, int n) {
     for (int i = 0; i < n; i += kWidthOf<T>)
       eval_at(load_model<Model, T>(a, i), a, e, i);
   }
-  static void sample(const MaterialArgs& a, const SampleArrays& s, int n) {
+  static FACETA_FLATTEN void sample(const MaterialArgs& a, const SampleArrays& s, int n) {
     for (int i = 0; i < n; i += kWidthOf<T>)
       sample_at(load_model<Model, T>(a, i), a, s, i);
   }
-  static void eval_sample(const MaterialArgs& a, const EvalArrays& e, const SampleArrays& s,
-                          int n) {
+  static FACETA_FLATTEN void eval_sample(const MaterialArgs& a, const EvalArrays& e,
+                                         const SampleArrays& s, int n) {
     for (int i = 0; i < n; i += kWidthOf<T>) {
       Model<T> m = load_model<Model, T>(a, i);
       eval_at(m, a, e, i);
@@ -67,9 +70,9 @@ template <template <class> class Model> struct KernelOf {
 } // namespace faceta
 
 /// Defines `const MaterialKernel* faceta_kernel_<symbol>()`.
-#define FACETA_MATERIAL_KERNEL(symbol, Type)                                                        \
-  const faceta::MaterialKernel* faceta_kernel_##symbol() {                                          \
-    using K = faceta::KernelOf<Type>;                                                               \
-    static const faceta::MaterialKernel kernel{#symbol, K::eval, K::sample, K::eval_sample};          \
+#define FACETA_MATERIAL_KERNEL(symbol, Type)                                                       \
+  const faceta::MaterialKernel* faceta_kernel_##symbol() {                                         \
+    using K = faceta::KernelOf<Type>;                                                              \
+    static const faceta::MaterialKernel kernel{#symbol, K::eval, K::sample, K::eval_sample};       \
     return &kernel;                                                                                \
   }

@@ -9,7 +9,7 @@ namespace faceta {
 template <class T> struct Conductor {
   Color<T> eta{T(0)}, k{T(1)}, specular_reflectance{T(1)};
 
-  template <class D> static void describe(D& d) {
+  template <class D> static FACETA_INLINE void describe(D& d) {
     d.model("conductor", "Smooth metal")
         .equation("f = F(cos theta) delta(wi - r(wo)) / cos theta,  r(wo) = (-x, -y, z)")
         .reference("Born and Wolf 1999, Principles of Optics, 14.2: reflection at a metal")
@@ -29,9 +29,9 @@ template <class T> struct Conductor {
         .exemplar("weak absorber", {{"eta", "1.5"}, {"k", "0"}});
   }
 
-  Eval<T> eval(const Vec3<T>&, const Vec3<T>&, const Context<T>&) const { return {}; }
+  FACETA_INLINE Eval<T> eval(const Vec3<T>&, const Vec3<T>&, const Context<T>&) const { return {}; }
 
-  Sample<T> sample(const Vec3<T>& wo, const Random<T>&, const Context<T>&) const {
+  FACETA_INLINE Sample<T> sample(const Vec3<T>& wo, const Random<T>&, const Context<T>&) const {
     Sample<T> s;
     s.wi = reflect(wo);
     s.valid = wo.z > T(0);

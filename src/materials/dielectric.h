@@ -10,7 +10,7 @@ template <class T> struct Dielectric {
   T int_ior = T(1.5046), ext_ior = T(1.000277);
   Color<T> specular_reflectance{T(1)}, specular_transmittance{T(1)};
 
-  template <class D> static void describe(D& d) {
+  template <class D> static FACETA_INLINE void describe(D& d) {
     d.model("dielectric", "Smooth glass")
         .equation("f_r = F delta(wi - r(wo)) / |cos theta_r|,  "
                   "f_t = (eta_t / eta_i)^2 (1 - F) delta(wi - t(wo)) / |cos theta_t|")
@@ -39,9 +39,10 @@ template <class T> struct Dielectric {
                                {"specular_transmittance", "0.2,0.6,0.9"}});
   }
 
-  Eval<T> eval(const Vec3<T>&, const Vec3<T>&, const Context<T>&) const { return {}; }
+  FACETA_INLINE Eval<T> eval(const Vec3<T>&, const Vec3<T>&, const Context<T>&) const { return {}; }
 
-  Sample<T> sample(const Vec3<T>& wo, const Random<T>& random, const Context<T>& context) const {
+  FACETA_INLINE Sample<T> sample(const Vec3<T>& wo, const Random<T>& random,
+                                 const Context<T>& context) const {
     DielectricFresnel<T> f = fresnel_dielectric(wo.z, int_ior / ext_ior);
     auto reflected = random.uc < f.reflectance;
     T scale = context.mode == TransportMode::radiance ? f.eta_ti * f.eta_ti : T(1);

@@ -15,7 +15,7 @@ template <class T> struct RoughConductor {
   T alpha_u = T(0.1), alpha_v = T(0.1);
   int sample_visible = 1, energy_compensation = 0, height_correlated = 0, bounded_sampling = 1;
 
-  template <class D> static void describe(D& d) {
+  template <class D> static FACETA_INLINE void describe(D& d) {
     using M = RoughConductor;
     d.model("roughconductor", "Rough metal")
         .equation("f = F(wi.h) D(h) G(wi, wo) / (4 cos theta_i cos theta_o),  h = (wi + wo) / "
@@ -80,7 +80,7 @@ template <class T> struct RoughConductor {
       energy = context.add_table(make_energy_table(surface().options, alpha_u, alpha_v));
   }
 
-  Eval<T> eval(const Vec3<T>& wo, const Vec3<T>& wi, const Context<T>&) const {
+  FACETA_INLINE Eval<T> eval(const Vec3<T>& wo, const Vec3<T>& wi, const Context<T>&) const {
     MicrofacetReflection<T> r = surface().reflection(wo, wi);
     Eval<T> e;
     e.value = specular_reflectance * fresnel_conductor(r.cos_h, eta, k) * r.value;
@@ -90,7 +90,8 @@ template <class T> struct RoughConductor {
     return e;
   }
 
-  Sample<T> sample(const Vec3<T>& wo, const Random<T>& random, const Context<T>& context) const {
+  FACETA_INLINE Sample<T> sample(const Vec3<T>& wo, const Random<T>& random,
+                                 const Context<T>& context) const {
     Sample<T> s;
     s.wi = surface().sample_reflection(wo, random.u);
     if (energy_compensation) {

@@ -14,7 +14,7 @@ template <class T> struct RoughDielectric {
   int sample_visible = 1, height_correlated = 0;
   Color<T> specular_reflectance{T(1)}, specular_transmittance{T(1)};
 
-  template <class D> static void describe(D& d) {
+  template <class D> static FACETA_INLINE void describe(D& d) {
     using M = RoughDielectric;
     d.model("roughdielectric", "Rough glass")
         .equation("f_r = F D G / (4 |cos theta_i cos theta_o|),  f_t = |wo.h wi.h| / |cos theta_i "
@@ -61,7 +61,8 @@ template <class T> struct RoughDielectric {
                : nullptr;
   }
 
-  Eval<T> eval(const Vec3<T>& wo, const Vec3<T>& wi, const Context<T>& context) const {
+  FACETA_INLINE Eval<T> eval(const Vec3<T>& wo, const Vec3<T>& wi,
+                             const Context<T>& context) const {
     Side side(*this, wo.z);
     Vec3<T> o = wo * side.sign, i = wi * side.sign; // o lies above the surface
     auto reflected = i.z > T(0);
@@ -95,7 +96,8 @@ template <class T> struct RoughDielectric {
     return e;
   }
 
-  Sample<T> sample(const Vec3<T>& wo, const Random<T>& random, const Context<T>& context) const {
+  FACETA_INLINE Sample<T> sample(const Vec3<T>& wo, const Random<T>& random,
+                                 const Context<T>& context) const {
     Side side(*this, wo.z);
     Vec3<T> o = wo * side.sign;
     Vec3<T> m = sample_visible ? surface(T(1)).sample_visible(o, random.u)

@@ -10,7 +10,7 @@ template <class T> struct ThinDielectric {
   T int_ior = T(1.5046), ext_ior = T(1.000277);
   Color<T> specular_reflectance{T(1)}, specular_transmittance{T(1)};
 
-  template <class D> static void describe(D& d) {
+  template <class D> static FACETA_INLINE void describe(D& d) {
     d.model("thindielectric", "Thin pane of glass")
         .equation("f = R' delta(wi - r(wo)) / |cos theta| + (1 - R') delta(wi + wo) / |cos theta|,"
                   "  R' = 2 R / (1 + R),  R = F of one interface")
@@ -33,9 +33,10 @@ template <class T> struct ThinDielectric {
                              {"specular_transmittance", "0.4,0.8,0.5"}});
   }
 
-  Eval<T> eval(const Vec3<T>&, const Vec3<T>&, const Context<T>&) const { return {}; }
+  FACETA_INLINE Eval<T> eval(const Vec3<T>&, const Vec3<T>&, const Context<T>&) const { return {}; }
 
-  Sample<T> sample(const Vec3<T>& wo, const Random<T>& random, const Context<T>&) const {
+  FACETA_INLINE Sample<T> sample(const Vec3<T>& wo, const Random<T>& random,
+                                 const Context<T>&) const {
     T one = fresnel_dielectric(abs(wo.z), int_ior / ext_ior).reflectance;
     T r = T(2) * one / (T(1) + one); // all orders of reflection between the two interfaces
     auto reflected = random.uc < r;
