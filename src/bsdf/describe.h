@@ -114,6 +114,7 @@ struct Descriptor {
   Traits traits;
   int slots = 0;   ///< floats per record, derived ones included
   int choices = 0; ///< integers per record
+  std::vector<int> table_slots; ///< slots that hold offsets into tables
 
   const ParamInfo* find(const std::string& param) const {
     for (const ParamInfo& p : params)
@@ -271,7 +272,7 @@ public:
     return *this;
   }
   auto& table(Table<T> M::*) {
-    ++descriptor.slots;
+    descriptor.table_slots.push_back(descriptor.slots++);
     return *this;
   }
 

@@ -11,4 +11,12 @@ Registry& Registry::global() {
   return registry;
 }
 
+Parameters make_parameters(const std::string& model, const Settings& settings) {
+  Parameters p(Registry::global().get(model));
+  for (const auto& [key, value] : settings)
+    p.set(key, value);
+  p.check();
+  return p;
+}
+
 } // namespace faceta

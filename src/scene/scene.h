@@ -1,7 +1,7 @@
 #pragma once
 
-/// A scene in memory: what readers build and the renderer views. Filled through SceneBuilder, frozen
-/// by build(): then only view() is used, by any number of threads.
+/// A scene in memory: what readers build and the renderer views. Filled by the add
+/// functions, frozen by build(): then only view() is used, by any number of threads.
 
 #include "bsdf/registry.h"
 #include "image/bitmap.h"
@@ -29,7 +29,7 @@ struct TextureDesc {
   int child[2] = {-1, -1};
 };
 
-/// A number or a texture, where the contract allows both.
+/// A number or a texture, where the contract allows both. With a texture, `value` is ignored.
 struct TexturedValue {
   std::array<double, 3> value{0, 0, 0};
   int texture = -1;
@@ -68,8 +68,8 @@ struct PointLightDesc {
 
 struct EnvironmentDesc {
   std::array<double, 3> radiance{1, 1, 1}; ///< constant radiance, or a factor on the image
-  std::shared_ptr<const Image> image;      ///< latitude-longitude, linear; null: constant
-  ToWorld to_world = kIdentityToWorld;
+  std::shared_ptr<const Image> image;      ///< latitude-longitude, linear, at least 2 x 3; or null
+  ToWorld to_world = kIdentityToWorld;     ///< rotation or mirroring; a uniform scale has no effect
   double sampling_weight = 1;
 };
 
@@ -83,8 +83,8 @@ struct CameraDesc {
 enum class FilterType { box, tent, gaussian };
 struct FilterDesc {
   FilterType type = FilterType::gaussian;
-  double radius = 1;    ///< tent
-  double stddev = 0.5;  ///< gaussian; its radius is 4 stddev
+  double radius = 1;   ///< tent
+  double stddev = 0.5; ///< gaussian; its radius is 4 stddev
 };
 
 /// File, size and channels of the picture as the scene wants them.
@@ -149,9 +149,11 @@ public:
   std::vector<std::pair<std::string, std::shared_ptr<MaterialNode>>> named_materials;
 
   /// Builds Embree's tree (pinned to AVX2), programs, classes, the light BVH and the environment's
-  /// tables for the kernels of an instruction set.
+  /// tables for the kernels of an instruction set. Called again, only the kernels are exchanged.
+  /// Error if this CPU has no kernels of that set or Embree runs out of memory.
   void build(Isa isa);
-  /// Chooses a sensor and film region for view(); `film` may differ from the sensor's own.
+  /// Chooses a sensor and film region for view(); `film` may differ from the sensor's own. Error
+  /// for what makes no camera: a scale in to_world, an angle outside (0, 180), a crop off the film.
   void use_sensor(const CameraDesc& camera, const FilmDesc& film);
   const SceneView& view() const;
   SceneStatistics statistics() const;

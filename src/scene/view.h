@@ -1,8 +1,8 @@
 #pragma once
 
-/// A loaded scene as the render kernels see it: plain arrays and structs, shared by every instruction
-/// set. Scene (scene.h) owns the memory. Records that lanes fetch are 64-byte rows, so that sixteen
-/// of them are loaded and transposed instead of gathered field by field.
+/// A loaded scene as the render kernels see it: plain arrays and structs, shared by every
+/// instruction set. Scene (scene.h) owns the memory. Records that lanes fetch are 64-byte rows, so
+/// that sixteen of them are loaded and transposed instead of gathered field by field.
 
 #include "bsdf/kernel.h"
 
@@ -28,8 +28,8 @@ static_assert(sizeof(TriangleRecord) == 128);
 
 enum class QuadricType : int32_t { sphere, disk, cylinder };
 
-/// An analytic shape: two rows. Local coordinates: sphere radius 1 about the origin; disk radius 1 in
-/// z = 0; cylinder radius 1 about z in [0, 1].
+/// An analytic shape: two rows. Local coordinates: sphere radius 1 about the origin; disk radius 1
+/// in z = 0; cylinder radius 1 about z in [0, 1].
 struct alignas(64) QuadricRecord {
   float to_world[12]; ///< rows of a 3x4 affine map
   int32_t material, light, shape;
@@ -50,9 +50,9 @@ struct TextureView {
   WrapMode wrap;
   int32_t nearest; ///< 1: no interpolation
   int32_t width, height;
-  int32_t tiles_x;  ///< bitmap8 and bitmap_float: texels lie in tiles of 4 x 4, this many a row
-  int32_t srgb;     ///< 8-bit texels are sRGB-encoded
-  float to_uv[6];   ///< rows of a 2x3 affine map applied to uv
+  int32_t tiles_x; ///< bitmap8 and bitmap_float: texels lie in tiles of 4 x 4, this many a row
+  int32_t srgb;    ///< 8-bit texels are sRGB-encoded
+  float to_uv[6];  ///< rows of a 2x3 affine map applied to uv
   const uint32_t* texels8; ///< R | G << 8 | B << 16 | A << 24
   const float* texels;     ///< RGBA
   float color[2][3];       ///< constant: [0]; checkerboard: both
@@ -81,7 +81,7 @@ struct ProgramView {
 
 /// A factor on the way from the root of a material tree to a leaf.
 struct WeightView {
-  int32_t texture;    ///< -1: constant
+  int32_t texture; ///< -1: constant
   float constant;
   int32_t complement; ///< 1 - value
 };
@@ -93,7 +93,7 @@ inline constexpr int32_t kFrontSide = 1, kBackSide = 2;
 struct LeafView {
   int32_t program; ///< -1: the null leaf, which lets light pass straight through
   int32_t row;
-  int32_t sides;   ///< kFrontSide | kBackSide
+  int32_t sides;    ///< kFrontSide | kBackSide
   int32_t mirrored; ///< directions are mirrored (z -> -z) when seen from behind (twosided)
   int32_t first_weight, weights;
 };
@@ -120,14 +120,14 @@ struct alignas(64) LightRecord {
   int32_t texture;   ///< radiance texture, -1: constant
   int32_t primitive; ///< triangle or quadric index
   float area;
-  float p[3];  ///< first vertex, corner, centre or position
+  float p[3]; ///< first vertex, corner, centre or position
   float e1[3], e2[3];
-  float n[3];  ///< unit normal of the emitting side (flat lights)
+  float n[3];        ///< unit normal of the emitting side (flat lights)
   float radiance[3]; ///< or intensity (point); a factor on the texture
   float radius;
   float uv0[2], duv1[2], duv2[2]; ///< uv = uv0 + b1 duv1 + b2 duv2
-  uint32_t trail; ///< the way down the light BVH, one bit a level from the root
-  int32_t depth;  ///< how many levels
+  uint32_t trail;                 ///< the way down the light BVH, one bit a level from the root
+  int32_t depth;                  ///< how many levels
   float reserved[4];
 };
 static_assert(sizeof(LightRecord) == 128);
@@ -135,8 +135,8 @@ static_assert(sizeof(LightRecord) == 128);
 /// A node of the light BVH: one row. Two children lie side by side.
 struct alignas(64) LightNode {
   float low[3], high[3];
-  float axis[3];     ///< of the cone of emission directions
-  float cos_spread;  ///< half angle of the normals' cone
+  float axis[3];      ///< of the cone of emission directions
+  float cos_spread;   ///< half angle of the normals' cone
   float cos_emission; ///< half angle of emission beyond it
   float power;
   int32_t child; ///< first of two child nodes, or -1
@@ -145,12 +145,12 @@ struct alignas(64) LightNode {
 };
 static_assert(sizeof(LightNode) == 64);
 
-/// One cell of the environment with its four corner texels. Columns are chosen by an alias table per
-/// row, rows by one alias table.
+/// One cell of the environment with its four corner texels. Columns are chosen by an alias table
+/// per row, rows by one alias table.
 struct alignas(64) EnvironmentCell {
   float threshold; ///< keep this column if the remainder of the choice is below, else take alias
   int32_t alias;
-  float pdf;       ///< density over the unit square of (u, v)
+  float pdf; ///< density over the unit square of (u, v)
   float reserved;
   float texel[4][3]; ///< (0,0), (1,0), (0,1), (1,1)
 };
@@ -170,14 +170,15 @@ struct EnvironmentView {
 };
 
 struct CameraView {
-  float to_world[12]; ///< rows of a 3x4 affine map
+  float to_world[12];         ///< rows of a 3x4 affine map
   float sample_to_camera[16]; ///< film position in [0,1]^2 (z 0) to a point on the near plane
   float near_clip, far_clip;
   int32_t film_width, film_height; ///< of the whole film
   int32_t crop_x, crop_y, crop_width, crop_height;
 };
 
-/// A reconstruction filter, importance-sampled: the inverse of its cumulated |f| per axis, tabulated.
+/// A reconstruction filter, importance-sampled: the inverse of its cumulated |f| per axis,
+/// tabulated.
 struct FilterView {
   float radius;
   int32_t cells;    ///< 0: box of radius 1/2
