@@ -201,7 +201,7 @@ void add_picture_options(CLI::App& sub, RenderOptions& options) {
 void add_render(CLI::App& app, Action& action) {
   auto options = std::make_shared<RenderOptions>();
   CLI::App* sub = app.add_subcommand("render", "Render a Mitsuba 3 scene file");
-  sub->footer("Without -o the picture is NAME.exr beside the scene NAME.xml.");
+  sub->footer("Without -o the picture is NAME.exr (or the film's format) beside the scene NAME.xml.");
   sub->add_option("scene", options->scene, "the scene file")->required()->type_name("SCENE");
   add_picture_options(*sub, *options);
   sub->add_option_function<std::string>(
@@ -219,11 +219,13 @@ void add_render(CLI::App& app, Action& action) {
   add_defines(*sub, options->defines);
   sub->add_flag("--permissive", options->permissive,
                 "warn of properties that nothing knows instead of ending in an error");
-  sub->callback([=, &action] {
-    if (options->outputs.empty())
-      options->outputs = {std::filesystem::path(options->scene).replace_extension(".exr")};
-    action = [=] { return run_render(*options); };
-  });
+  sub->add_option("--variance", options->variance,
+                  "also write the variance of each pixel's mean (EXR, 32 bits)")
+      ->type_name("FILE");
+  sub->add_option("--tile", options->tile, "pixels a side of the tiles threads work on")
+      ->check(CLI::Range(1, 32))
+      ->group("");
+  sub->callback([=, &action] { action = [=] { return run_render(*options); }; });
 }
 
 void add_gallery(CLI::App& app, Action& action) {

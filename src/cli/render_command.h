@@ -25,6 +25,8 @@ struct RenderOptions {
   Settings defines;                       ///< -D
   double exposure = 0;                    ///< stops, for PNG
   bool full_floats = false;               ///< EXR with 32 bits a value
+  std::string variance;                   ///< EXR file for the variance of the mean; empty: none
+  int tile = 0;                           ///< pixels a side; 0: chosen
   bool permissive = false;                ///< warn of what the scene's plugins do not know
   int verbosity = 0;                      ///< -1: quiet, 1: verbose
 };

@@ -147,6 +147,10 @@ std::unique_ptr<Scene> read_mitsuba_scene_string(std::string_view text, const st
                        options);
 }
 
+std::unique_ptr<Scene> build_mitsuba_scene(const xml::Node& root, const ReadOptions& options) {
+  return mitsuba::read(root, options);
+}
+
 std::shared_ptr<MaterialNode> find_material(const Scene& scene, const std::string& id) {
   std::vector<std::string> ids;
   for (const auto& [name, material] : scene.named_materials) {

@@ -51,6 +51,9 @@ std::unique_ptr<Scene> read_mitsuba_scene_string(std::string_view text,
                                                  const std::string& name = "<string>",
                                                  const ReadOptions& options = {});
 
+/// The same for a tree that was parsed, and perhaps changed, before.
+std::unique_ptr<Scene> build_mitsuba_scene(const xml::Node& root, const ReadOptions& options = {});
+
 /// The material of an id in a scene that was read. Error, with a suggestion, if there is none.
 std::shared_ptr<MaterialNode> find_material(const Scene& scene, const std::string& id);
 

@@ -1,5 +1,7 @@
 #include "render/render.h"
 
+#include "spectrum/cie.h"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -81,12 +83,13 @@ struct Worker {
       double* sum = &film.sums[4 * pixel];
       double* square = &film.squares[3 * pixel];
       for (int s = 0; s < chunk.samples; s += splits)
-        add_sample(rgba + 4 * (size_t(p) * chunk.samples + s), sum, square);
+        add_sample(rgba + 4 * (size_t(p) * chunk.samples + s), sum, square,
+                   film.xyz_squares.empty() ? nullptr : &film.xyz_squares[3 * pixel]);
     }
     pass.done_paths += chunk.paths();
   }
 
-  void add_sample(const float* rgba, double* sum, double* square) {
+  void add_sample(const float* rgba, double* sum, double* square, double* xyz_square) {
     double c[4] = {0, 0, 0, 0};
     for (int j = 0; j < splits; ++j)
       for (int k = 0; k < 4; ++k)
@@ -99,6 +102,11 @@ struct Worker {
       sum[k] += c[k] / splits;
     for (int k = 0; k < 3; ++k)
       square[k] += (c[k] / splits) * (c[k] / splits);
+    if (xyz_square) {
+      std::array<double, 3> xyz = srgb_to_xyz({c[0] / splits, c[1] / splits, c[2] / splits});
+      for (int k = 0; k < 3; ++k)
+        xyz_square[k] += xyz[k] * xyz[k];
+    }
   }
 };
 
@@ -203,14 +211,6 @@ Image Film::variance() const {
   });
 }
 
-Image Film::second_moment() const {
-  double scale = samples ? 1.0 / double(samples) : 0;
-  return film_image(*this, {"R", "G", "B"}, [&](size_t i, float* out) {
-    for (int k = 0; k < 3; ++k)
-      out[k] = static_cast<float>(squares[3 * i + k] * scale);
-  });
-}
-
 RenderSettings render_settings(const IntegratorDesc& integrator, const SamplerDesc& sampler) {
   RenderSettings s;
   s.sampler = sampler.type == "independent" ? SamplerType::independent : SamplerType::sobol;
@@ -247,6 +247,8 @@ RenderResult render(const Scene& scene, const RenderOptions& options) {
   size_t pixels = size_t(film.width) * film.height;
   film.sums.assign(4 * pixels, 0.0);
   film.squares.assign(3 * pixels, 0.0);
+  if (options.moments)
+    film.xyz_squares.assign(3 * pixels, 0.0);
   int threads =
       options.threads > 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
   int splits = options.settings.splits;

@@ -15,17 +15,16 @@ namespace faceta {
 /// order, so that the bits depend on scene, seed and samples alone.
 struct Film {
   int width = 0, height = 0;
-  int64_t samples = 0;         ///< per pixel
-  std::vector<double> sums;    ///< R, G, B, alpha a pixel
-  std::vector<double> squares; ///< of R, G, B a pixel
-  uint64_t non_finite = 0;     ///< samples that were infinite or no number, added as 0
+  int64_t samples = 0;             ///< per pixel
+  std::vector<double> sums;        ///< R, G, B, alpha a pixel
+  std::vector<double> squares;     ///< of R, G, B a pixel
+  std::vector<double> xyz_squares; ///< of X, Y, Z a pixel; empty unless asked for
+  uint64_t non_finite = 0;         ///< samples that were infinite or no number, added as 0
 
   /// The mean as R, G, B, A.
   Image image() const;
   /// The variance of the mean as R, G, B (needs two samples).
   Image variance() const;
-  /// The mean of the squares as R, G, B.
-  Image second_moment() const;
 };
 
 struct Progress {
@@ -50,7 +49,8 @@ struct RenderOptions {
   RenderSettings settings;
   int threads = 0; ///< 0: all processors
   Isa isa = best_isa();
-  int tile = 0; ///< pixels a side; 0: chosen. Any value gives the same picture.
+  bool moments = false; ///< fill Film::xyz_squares
+  int tile = 0;         ///< pixels a side; 0: chosen. Any value gives the same picture.
   std::function<void(const Progress&)> progress; ///< about four times a second
   const std::atomic<bool>* stop = nullptr;       ///< finish the pass, then return
   std::vector<RayRecord>* record = nullptr;      ///< filled with one record a thread

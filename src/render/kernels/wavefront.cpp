@@ -70,7 +70,7 @@ void Wavefront::refill() {
     ChunkState& c = ring_[(tail_ - 1) % kChunkRing];
     generate(min(kPoolSize - count_, c.chunk.paths() - c.generated));
   }
-  traced_ = survivors; // everything behind it was traced by generate()
+  survivors_ = survivors; // everything behind it was traced by generate()
 }
 
 void Wavefront::generate(int count) {
@@ -164,30 +164,30 @@ void Wavefront::finish_chunks() {
 // --- Tracing and sorting ---
 
 void Wavefront::trace() {
-  if (traced_ == 0)
+  if (survivors_ == 0)
     return;
   if (job_.record) {
-    std::vector<float> arrays(6 * size_t(traced_)), near(traced_, 0.0f),
-        far(traced_, __builtin_inff());
-    for (int i = 0; i < traced_; ++i)
+    std::vector<float> arrays(6 * size_t(survivors_)), near(survivors_, 0.0f),
+        far(survivors_, __builtin_inff());
+    for (int i = 0; i < survivors_; ++i)
       for (int k = 0; k < 6; ++k)
-        arrays[k * size_t(traced_) + i] = rows_[16 * i + k];
+        arrays[k * size_t(survivors_) + i] = rows_[16 * i + k];
     const float* a = arrays.data();
-    size_t n = traced_;
+    size_t n = survivors_;
     RayArrays rays{
         {a, a + n, a + 2 * n}, {a + 3 * n, a + 4 * n, a + 5 * n}, near.data(), far.data()};
-    job_.record(job_.user, RayKind::closest, &rays, traced_);
+    job_.record(job_.user, RayKind::closest, &rays, survivors_);
   }
   // A packet may write past the survivors, where the first camera hits lie.
-  int tail = min(kLanePadding, count_ - traced_);
+  int tail = min(kLanePadding, count_ - survivors_);
   int32_t codes[kLanePadding];
   float distances[kLanePadding];
-  std::memcpy(codes, hits_ + traced_, 4 * tail);
-  std::memcpy(distances, distances_ + traced_, 4 * tail);
-  trace_rows(scene_, rows_, traced_, hits_, distances_);
-  std::memcpy(hits_ + traced_, codes, 4 * tail);
-  std::memcpy(distances_ + traced_, distances, 4 * tail);
-  counters_.closest_rays += traced_;
+  std::memcpy(codes, hits_ + survivors_, 4 * tail);
+  std::memcpy(distances, distances_ + survivors_, 4 * tail);
+  trace_rows(scene_, rows_, survivors_, hits_, distances_);
+  std::memcpy(hits_ + survivors_, codes, 4 * tail);
+  std::memcpy(distances_ + survivors_, distances, 4 * tail);
+  counters_.closest_rays += survivors_;
 }
 
 void Wavefront::sort() {

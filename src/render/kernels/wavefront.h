@@ -129,7 +129,8 @@ private:
   float scene_scale_;
 
   int count_ = 0, next_count_ = 0, shadow_count_ = 0;
-  int traced_ = 0; ///< paths whose hits are known (camera rays are traced when they are made)
+  int survivors_ =
+      0; ///< paths of earlier rounds, first in the pool; those behind are new and traced
   AlignedArray<float> row_memory_;
   float *rows_, *next_rows_; ///< the pool, and the one that survivors move to
   AlignedArray<int32_t> hits_, order_, keys_;
