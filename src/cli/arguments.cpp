@@ -128,7 +128,7 @@ void add_table(CLI::App& app, Action& action, bool sample) {
 void add_diff(CLI::App& app, Action& action) {
   auto options = std::make_shared<DiffOptions>();
   CLI::App* sub = app.add_subcommand("diff", "Compare an image with a reference");
-  sub->footer("Exit code 1 if the z-test fails; without --variance nothing can fail.");
+  sub->footer("Exit code 1 if a test fails; without variances there is none.");
   sub->add_option("image", options->image, "the image")->required()->type_name("IMAGE");
   sub->add_option("reference", options->reference, "what it should be")
       ->required()
@@ -145,6 +145,21 @@ void add_diff(CLI::App& app, Action& action) {
       ->check(CLI::PositiveNumber)
       ->needs(variance)
       ->type_name("N");
+  auto* image_variance =
+      sub->add_option("--image-variance", options->image_variance,
+                      "variance of the image's values: do the two-sample test, by blocks of 8 x 8")
+          ->type_name("FILE");
+  auto* reference_variance =
+      sub->add_option("--reference-variance", options->reference_variance, "and the reference's")
+          ->needs(image_variance)
+          ->type_name("FILE");
+  image_variance->needs(reference_variance);
+  sub->add_option(
+         "--quantisation", options->quantisation,
+         "relative rounding error of the values, beside the variances (default: of halves)")
+      ->check(CLI::NonNegativeNumber)
+      ->needs(image_variance)
+      ->type_name("X");
   sub->add_flag("--json", options->json, "as JSON");
   sub->callback([=, &action] { action = [=] { return run_diff(*options); }; });
 }
@@ -201,7 +216,8 @@ void add_picture_options(CLI::App& sub, RenderOptions& options) {
 void add_render(CLI::App& app, Action& action) {
   auto options = std::make_shared<RenderOptions>();
   CLI::App* sub = app.add_subcommand("render", "Render a Mitsuba 3 scene file");
-  sub->footer("Without -o the picture is NAME.exr (or the film's format) beside the scene NAME.xml.");
+  sub->footer(
+      "Without -o the picture is NAME.exr (or the film's format) beside the scene NAME.xml.");
   sub->add_option("scene", options->scene, "the scene file")->required()->type_name("SCENE");
   add_picture_options(*sub, *options);
   sub->add_option_function<std::string>(

@@ -40,8 +40,10 @@ int run_table(const TableOptions& options);
 
 struct DiffOptions {
   std::string image, reference;
-  std::string variance; ///< empty: no test
+  std::string variance; ///< of one sample, of Mitsuba's kind; empty: no z-test
   std::optional<double> spp, reference_spp;
+  std::string image_variance, reference_variance; ///< of the means; empty: no two-sample test
+  double quantisation = 1.41e-4;                  ///< relative rounding error of the values
   bool json = false;
 };
 int run_diff(const DiffOptions& options);

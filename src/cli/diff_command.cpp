@@ -2,6 +2,7 @@
 #include "image/io.h"
 #include "image/metrics.h"
 
+#include <cmath>
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
@@ -48,6 +49,50 @@ Json test_json(const ZTest& t) {
           {"non_finite", t.non_finite}};
 }
 
+// What the two-sample test asks for.
+constexpr double kMeanTolerance = 0.01, kBlockTolerance = 0.01;
+
+/// Whether two noisy pictures agree: means within 1 % and at most 1 % of the blocks beyond the
+/// limit. A black reference agrees with a black picture.
+bool agree(const TwoSampleTest& t) {
+  bool good = t.block_share <= kBlockTolerance;
+  for (size_t i = 0; i < t.channels.size(); ++i)
+    good = good && (std::abs(t.mean_ratio[i] - 1) <= kMeanTolerance || t.mean_z[i] == 0);
+  return good;
+}
+
+Json two_sample_json(const TwoSampleTest& t) {
+  return {{"pass", agree(t)},
+          {"limit", t.limit},
+          {"block_share", t.block_share},
+          {"pixel_share", t.pixel_share},
+          {"largest_z", t.largest_z},
+          {"largest_at", {{"x", t.x}, {"y", t.y}, {"channel", t.channel}}},
+          {"largest_block_z", t.largest_block_z},
+          {"largest_block_at", {{"x", t.block_x}, {"y", t.block_y}}},
+          {"channels", t.channels},
+          {"mean_ratio", t.mean_ratio},
+          {"mean_z", t.mean_z},
+          {"non_finite", t.non_finite}};
+}
+
+std::string two_sample_text(const TwoSampleTest& t) {
+  std::string text = fmt::format(
+      "two-sample test: {}: {:.3f} % of 8 x 8 blocks beyond |z| = {:g} (allowed: {:g} %), {:.3f} % "
+      "of pixels\n",
+      agree(t) ? "pass" : "FAIL", 100 * t.block_share, t.limit, 100 * kBlockTolerance,
+      100 * t.pixel_share);
+  text += "mean over the reference's (allowed: within 1 %):";
+  for (size_t i = 0; i < t.channels.size(); ++i)
+    text += fmt::format(" {} {:.5f} (z {:.2f})", t.channels[i], t.mean_ratio[i], t.mean_z[i]);
+  text += fmt::format("\nlargest z {:.2f} at x {}, y {}, channel {}; of a block {:.2f} at x {}, y "
+                      "{}\n",
+                      t.largest_z, t.x, t.y, t.channel, t.largest_block_z, t.block_x, t.block_y);
+  if (t.non_finite)
+    text += fmt::format("left out: {} values that are not finite\n", t.non_finite);
+  return text;
+}
+
 std::string row(const std::string& name, const Difference& d) {
   return fmt::format(
       "{:<10} {:>12.6g} {:>12.6g} {:>12.6g} {:>9.4g} {:>12.6g} {:>12.6g} {:>12.6g}\n", name, d.mse,
@@ -90,6 +135,10 @@ int run_diff(const DiffOptions& options) {
   if (!options.variance.empty())
     test = z_test(image.rgb(), reference.rgb(), read_image(options.variance).rgb(),
                   samples_per_pixel(options, image), options.reference_spp.value_or(0));
+  std::optional<TwoSampleTest> two;
+  if (!options.image_variance.empty())
+    two = two_sample_test(image.rgb(), read_image(options.image_variance).rgb(), reference.rgb(),
+                          read_image(options.reference_variance).rgb(), 4, 8, options.quantisation);
   std::string text;
   if (options.json) {
     Json json = difference_json(comparison.all);
@@ -97,14 +146,19 @@ int run_diff(const DiffOptions& options) {
       json["channels"][comparison.channels[i]] = difference_json(comparison.per_channel[i]);
     if (test)
       json["z_test"] = test_json(*test);
+    if (two)
+      json["two_sample_test"] = two_sample_json(*two);
     text = json.dump(2) + "\n";
   } else {
     text = comparison_text(comparison);
     if (test)
       text += test_text(*test);
+    if (two)
+      text += two_sample_text(*two);
   }
   std::fputs(text.c_str(), stdout);
-  return test && !test->pass ? kCheckFailed : kOk;
+  bool failed = (test && !test->pass) || (two && !agree(*two));
+  return failed ? kCheckFailed : kOk;
 }
 
 } // namespace faceta::cli
