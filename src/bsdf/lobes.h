@@ -7,11 +7,15 @@
 
 namespace faceta {
 
-/// log(1 - t) for t in [0, 1), without loss for small t.
+/// log(1 - t) for t in [0, 1), without loss for small t; where t > 1/2, from u = 1 - t, which the
+/// caller may know better.
+template <class T> FACETA_INLINE T log_one_minus(const T& t, const T& u) {
+  auto small = t < T(0.5);
+  T v = T(1) - t, lost = (T(1) - v) - t; // what rounding took from 1 - t; the subtraction is exact
+  return log(select(small, v, max(u, T(1e-30)))) + select(small, lost / v, T(0));
+}
 template <class T> FACETA_INLINE T log_one_minus(const T& t) {
-  T u = max(T(1) - t, T(1e-30));
-  T lost = (T(1) - u) - t; // what rounding took from 1 - t; the subtraction is exact
-  return log(u) + select(u > T(0.5), lost / u, T(0));
+  return log_one_minus(t, T(1) - t);
 }
 
 /// exp(x) - 1 for x <= 0, without loss near 0 (8 digits: for sampling).
@@ -22,15 +26,15 @@ template <class T> FACETA_INLINE T exp_minus_one(const T& x) {
   return select(x > T(-0.3), x * series, exp(x) - T(1));
 }
 
-/// c^n for the cosine c = 1 - t of an angle, given by t; 0 from 90 degrees on, whatever n is. A
+/// c^n for a cosine c that is given as t = 1 - c as well; 0 from 90 degrees on, whatever n is. A
 /// highlight with n = 10^4 lives on t < 10^-3, where a float c holds only 4 digits of it.
-template <class T> FACETA_INLINE T cosine_power(const T& t, const T& n) {
-  return select(t < T(1), exp(n * log_one_minus(min(t, T(1)))), T(0));
+template <class T> FACETA_INLINE T cosine_power(const T& c, const T& t, const T& n) {
+  return select(c > T(0), exp(n * log_one_minus(t, c)), T(0));
 }
 
-/// An angle as sample_cosine_power() finds it.
+/// A direction about z with density (n + 1) / (2 pi) cos^n.
 template <class T> FACETA_INLINE Vec3<T> sample_cosine_power(const Vec2<T>& u, const T& n) {
-  // cos = u^(1/(n+1)): density (n+1)/(2 pi) cos^n.
+  // cos = u^(1/(n+1))
   T t = -exp_minus_one(log(max(T(1) - u.x, T(1e-30))) / (n + T(1)));
   T sine = safe_sqrt(t * (T(2) - t));
   SinCos<T> azimuth = sincos(T(2 * kPi) * u.y);

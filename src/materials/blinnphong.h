@@ -50,10 +50,9 @@ template <class T> struct BlinnPhong {
   Eval<T> eval(const Vec3<T>& wo, const Vec3<T>& wi, const Context<T>&) const {
     auto above = (wo.z > T(0)) & (wi.z > T(0));
     Vec3<T> h = wo + wi;
-    // cos^2 = 1 - (hx^2 + hy^2)/|h|^2: the small part is exact where the highlight is. wo.h =
-    // |h|/2.
-    T length2 = max(dot(h, h), T(1e-18));
-    T lobe = cosine_power(sin_theta_squared(h) / length2, T(0.5) * exponent);
+    // cos^2 and 1 - cos^2 each from their own components; wo.h = |h|/2.
+    T length2 = max(dot(h, h), T(1e-18)), inverse = T(1) / length2;
+    T lobe = cosine_power(sqr(h.z) * inverse, sin_theta_squared(h) * inverse, T(0.5) * exponent);
     T density = (exponent + T(1)) * T(0.25 * kInvPi) * lobe / sqrt(length2);
     return lobes_.mix(above, wi.z * T(kInvPi), scale_ * lobe * wi.z, density);
   }

@@ -11,5 +11,7 @@ faceta_add_material_modules(builtin
     materials/phong.h:Phong
     materials/blinnphong.h:BlinnPhong
     materials/ward.h:Ward
+    materials/plastic.h:Plastic
+    materials/roughplastic.h:RoughPlastic
   EXTRA ${FACETA_RENDER_KERNELS}
   LIBS embree)

@@ -111,14 +111,18 @@ private:
     T cos_b = select(o_is_steeper, zo, zi), cos_a = select(o_is_steeper, zi, zo);
     T sin_b = select(o_is_steeper, so, si), sin_a = select(o_is_steeper, si, so);
     T product = so * si;
-    T cos_dphi = clamp(s / select(product > T(0), product, T(1)), T(-1), T(1));
+    T inverse = T(1) / select(product > T(0), product, T(1));
+    T cos_dphi = clamp(s * inverse, T(-1), T(1));
+    // 1 - |cos| from the sine, by the cross product: the tangent magnifies it.
+    T sin_dphi = fma(wo.x, wi.y, -(wo.y * wi.x)) * inverse;
+    T aside = sqr(sin_dphi) / (T(1) + abs(cos_dphi));
     // Angles from both sine and cosine: neither alone keeps its digits at both ends.
     T a = T(2 * kInvPi) * atan2(sin_a, cos_a), b = T(2 * kInvPi) * atan2(sin_b, cos_b);
     T rest = T(2 * kInvPi) * atan2(cos_b, sin_b); // 1 - b
     // sin a - b^3 as (1 - b^3) - (1 - sin a), each from its small part: tan b magnifies it.
     T backward = rest * (T(3) - rest * (T(3) - rest)) - sqr(cos_a) / (T(1) + sin_a);
     T second = select(s < T(0), cos_dphi * (sin_b / cos_b) * backward, s / cos_b);
-    T third = (T(1) - abs(cos_dphi)) * sqr(a * b) * ((sin_a + sin_b) / (zo + zi));
+    T third = aside * sqr(a * b) * ((sin_a + sin_b) / (zo + zi));
     T direct = fma(c2_, second, fma(c3_, third, c1_));
     T interreflected = c4_ * (T(1) - cos_dphi * sqr(b));
     return reflectance * reflectance.map([&](const T& rho) {

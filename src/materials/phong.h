@@ -47,7 +47,8 @@ template <class T> struct Phong {
     auto above = (wo.z > T(0)) & (wi.z > T(0));
     // 1 - cos a from the chord: exact where the highlight is.
     Vec3<T> chord = wi - reflect(wo);
-    T lobe = cosine_power(T(0.5) * dot(chord, chord), exponent) * T(kInvTwoPi);
+    T t = T(0.5) * dot(chord, chord);
+    T lobe = cosine_power(T(1) - t, t, exponent) * T(kInvTwoPi);
     return lobes_.mix(above, wi.z * T(kInvPi), (exponent + T(2)) * lobe * wi.z,
                       (exponent + T(1)) * lobe);
   }
