@@ -134,6 +134,33 @@ TEST(LightTree, LosesNoLightThatCanBeSeen) {
   EXPECT_GT(seen, 5000);
 }
 
+TEST(LightTree, UnitedConesHoldBoth) {
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> unit(0, 1);
+  auto direction = [&] { return normalize({normal(random), normal(random), normal(random)}); };
+  int proper = 0;
+  for (int i = 0; i < 2000; ++i) {
+    LightBounds cones[2];
+    for (LightBounds& c : cones) {
+      c.axis = direction();
+      c.cos_spread = std::cos(unit(random) * 1.5);
+    }
+    if (i % 3 == 0) // near one another, or equal, or opposite
+      cones[1].axis = i % 9 ? cones[0].axis : scale(cones[0].axis, -1);
+    LightBounds both = unite(cones[0], cones[1]);
+    double spread = std::acos(both.cos_spread);
+    proper += both.cos_spread > -1;
+    for (const LightBounds& c : cones) {
+      // The direction of the cone that is farthest from the common axis.
+      double between = std::atan2(length(cross(both.axis, c.axis)), dot(both.axis, c.axis));
+      EXPECT_GE(spread + 1e-9, std::min(kPi, between + std::acos(c.cos_spread)));
+    }
+    EXPECT_NEAR(length(both.axis), 1, 1e-12);
+  }
+  EXPECT_GT(proper, 1000);
+}
+
 /// The leaves below a node.
 void collect(const LightNode* nodes, int node, std::vector<const LightNode*>& leaves) {
   if (nodes[node].child < 0)
@@ -219,13 +246,16 @@ TEST(Lights, WithoutWeightOrPowerAreNeverChosen) {
   scene.add_cylinder(make_cylinder({0, 0, 0}, {0, 0, 1}, 1, false,
                                    {1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}),
                      shape);
+  shape.emitter = test::emitter(4);
+  shape.emitter->radiance.texture = scene.add_texture({});
+  scene.add_sphere(make_sphere({0, 0, 9}, 1, false, kIdentityToWorld), shape);
   scene.build(Isa::scalar);
   const SceneView& v = scene.view();
-  ASSERT_EQ(v.light_count, 4);
+  ASSERT_EQ(v.light_count, 5);
   EXPECT_EQ(v.light_nodes[0].light, 0);
   EXPECT_EQ(v.lights[0].type, static_cast<int32_t>(LightType::sphere));
   EXPECT_EQ(v.lights[0].depth, 0);
-  for (int k = 1; k < 4; ++k)
+  for (int k = 1; k < 5; ++k)
     EXPECT_EQ(v.lights[k].depth, -1);
   // Shapes point at their own lights, which shine when met.
   EXPECT_EQ(v.lights[v.triangles[0].light].radiance[0], 1);
