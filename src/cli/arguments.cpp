@@ -36,6 +36,14 @@ std::array<int, n> whole_numbers(const std::string& text, char separator, const 
   return values;
 }
 
+/// Bounds alone let NaN through.
+std::string check_finite(const std::string& text) {
+  double value = 0;
+  if (CLI::detail::lexical_cast(text, value) && std::isfinite(value))
+    return {};
+  return "'" + text + "' is no finite number";
+}
+
 Settings settings_of(const std::vector<std::string>& words) {
   Settings settings;
   for (const std::string& word : words) {
@@ -137,11 +145,13 @@ void add_diff(CLI::App& app, Action& action) {
                                    "variance of one sample (Mitsuba's tests): do the z-test")
                        ->type_name("FILE");
   sub->add_option("--spp", options->spp, "samples per pixel of the image (default: its metadata)")
+      ->check(check_finite)
       ->check(CLI::PositiveNumber)
       ->needs(variance)
       ->type_name("N");
   sub->add_option("--reference-spp", options->reference_spp,
                   "those of the reference, for the z of the mean (default: it is exact)")
+      ->check(check_finite)
       ->check(CLI::PositiveNumber)
       ->needs(variance)
       ->type_name("N");
@@ -203,6 +213,7 @@ void add_picture_options(CLI::App& sub, RenderOptions& options) {
          "width and height in pixels")
       ->type_name("WxH");
   sub.add_option("--exposure", options.exposure, "stops, for PNG")
+      ->check(check_finite)
       ->check(CLI::Range(-100.0, 100.0))
       ->type_name("STOPS");
   sub.add_flag("--float", options.full_floats, "EXR with 32 bits a value, not 16");

@@ -230,41 +230,50 @@ struct Layout {
               std::move(what.hint));
 }
 
+/// Names of the columns that the table must have.
+std::vector<std::string> needed_columns(const std::vector<CsvInput>& inputs) {
+  std::vector<std::string> names;
+  for (const CsvInput& input : inputs)
+    if (!input.missing)
+      names.push_back(input.name);
+  return names;
+}
+
+void check_complete(const std::vector<std::string>& names, const std::vector<CsvInput>& inputs) {
+  std::string all;
+  for (const std::string& name : needed_columns(inputs))
+    all += (all.empty() ? "" : ",") + name;
+  for (const std::string& name : needed_columns(inputs))
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      throw Malformed{0, "there is no column '" + name + "'",
+                      "the first line names the columns: " + all};
+}
+
 Layout read_header(const Block& block, const std::string& file, const std::vector<CsvInput>& inputs,
                    const std::vector<CsvOutput>& outputs) try {
   std::string_view text = block.text;
   if (text.substr(0, 3) == "\xEF\xBB\xBF")
     text.remove_prefix(3);
-  std::string_view line = take_line(text);
   Layout layout;
-  layout.header = line;
-  std::vector<std::string> needed;
-  for (const CsvInput& input : inputs)
-    if (!input.missing)
-      needed.push_back(input.name);
-  for (FieldCursor cursor(line); !cursor.at_end();) {
-    std::string name(cursor.text());
-    if (std::count(layout.names.begin(), layout.names.end(), name))
-      throw Malformed{cursor.offset(), "column '" + name + "' is there twice", ""};
+  layout.header = take_line(text);
+  for (FieldCursor cursor(layout.header); !cursor.at_end();)
+    layout.names.emplace_back(cursor.text());
+  // A file without a header lacks its columns, before anything else is wrong with it.
+  check_complete(layout.names, inputs);
+  FieldCursor cursor(layout.header);
+  for (auto name = layout.names.begin(); name != layout.names.end(); ++name) {
+    cursor.text();
+    if (std::find(layout.names.begin(), name, *name) != name)
+      throw Malformed{cursor.offset(), "column '" + *name + "' is there twice", ""};
     for (const CsvOutput& output : outputs)
-      if (name == output.name)
-        throw Malformed{cursor.offset(), "column '" + name + "' is there already",
+      if (*name == output.name)
+        throw Malformed{cursor.offset(), "column '" + *name + "' is there already",
                         "it is one of the results: rename or remove it"};
-    int input = -1;
-    for (size_t i = 0; i < inputs.size(); ++i)
-      if (inputs[i].name == name)
-        input = static_cast<int>(i);
-    layout.input_of_column.push_back(input);
-    layout.names.push_back(std::move(name));
+    auto input = std::find_if(inputs.begin(), inputs.end(),
+                              [&](const CsvInput& i) { return i.name == *name; });
+    layout.input_of_column.push_back(
+        input == inputs.end() ? -1 : static_cast<int>(input - inputs.begin()));
   }
-  for (const std::string& name : needed)
-    if (!std::count(layout.names.begin(), layout.names.end(), name)) {
-      std::string all;
-      for (const std::string& other : needed)
-        all += (all.empty() ? "" : ",") + other;
-      throw Malformed{0, "there is no column '" + name + "'",
-                      "the first line names the columns: " + all};
-    }
   return layout;
 } catch (Malformed& malformed) {
   raise(file, block.first_line, std::move(malformed));

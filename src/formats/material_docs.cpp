@@ -184,6 +184,13 @@ std::string aligned(const std::vector<std::vector<std::string>>& rows) {
   return text;
 }
 
+/// Lines after the first moved to the right by two spaces.
+std::string indented(std::string text) {
+  for (size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 3)
+    text.insert(at + 1, "  ");
+  return text;
+}
+
 std::vector<std::vector<std::string>> parameter_rows(const Descriptor& d) {
   std::vector<std::vector<std::string>> rows = {
       {"name", "kind", "default", "range", "unit", "texture", "meaning"}};
@@ -306,7 +313,7 @@ std::string list_materials_json(const Registry& registry) {
 
 std::string describe_material(const Model& model) {
   const Descriptor& d = model.descriptor;
-  std::string text = fmt::format("{}: {}\n\n  {}\n", d.name, d.title, d.equation);
+  std::string text = fmt::format("{}: {}\n\n  {}\n", d.name, d.title, indented(d.equation));
   if (!d.params.empty())
     text += "\nParameters\n" + aligned(parameter_rows(d));
   text += list_section("References", d.references, "  ");

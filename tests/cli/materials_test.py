@@ -1,0 +1,77 @@
+"""The list of materials and the description of each, in its three forms."""
+
+import json
+import xml.etree.ElementTree as ElementTree
+
+from program import Case, main, materials
+
+TAGS = {"colour": "rgb", "number": "float", "word": "string", "flag": "boolean", "metal": "string"}
+
+
+class Materials(Case):
+    def test_list_has_a_name_and_a_title_a_line(self):
+        lines = self.succeed("materials").splitlines()
+        self.assertEqual(
+            [line.split(None, 1) for line in lines], [[m["name"], m["title"]] for m in materials()]
+        )
+        self.assertIn("diffuse", [m["name"] for m in materials()])
+
+    def test_description_tells_everything(self):
+        for m in materials():
+            with self.subTest(m["name"]):
+                text = self.succeed("materials", m["name"])
+                self.assertTrue(text.startswith(f"{m['name']}: {m['title']}\n"))
+                for line in m["equation"].splitlines():
+                    self.assertIn(line.strip(), text)
+                for p in m["parameters"]:
+                    self.assertRegex(text, rf"(?m)^  {p['name']} .*{p['meaning'][:10]}")
+                for part in m["references"] + m["notes"] + [e["reason"] for e in m["exceptions"]]:
+                    self.assertIn(part, text)
+                self.assertIn(m["xml"], text)
+
+    def test_json_of_one_is_its_entry_in_all(self):
+        for m in materials():
+            self.assertEqual(json.loads(self.succeed("materials", m["name"], "--json")), m)
+
+    def test_markdown(self):
+        rows = self.succeed("materials", "--markdown").splitlines()
+        self.assertEqual(len(rows), 2 + len(materials()))
+        self.assertEqual({row.count("|") - row.count("\\|") for row in rows}, {4})
+        for row, m in zip(rows[2:], materials()):
+            self.assertTrue(row.startswith(f"| `{m['name']}` |"))
+            text = self.succeed("materials", m["name"], "--markdown")
+            self.assertIn("```xml\n" + m["xml"] + "```\n", text)
+            table = [line for line in text.splitlines() if line.startswith("|")]
+            if m["parameters"]:
+                self.assertEqual(len(table), 2 + len(m["parameters"]))
+                self.assertEqual({r.count("|") - r.count("\\|") for r in table}, {8})
+
+    def test_snippet_gives_every_parameter_one_way(self):
+        for m in materials():
+            with self.subTest(m["name"]):
+                bsdf = ElementTree.fromstring(m["xml"])
+                self.assertEqual((bsdf.tag, bsdf.get("type")), ("bsdf", m["name"]))
+                given = {e.get("name"): e for e in bsdf}
+                wanted = {p["name"]: p for p in m["parameters"] if "instead_of" not in p}
+                self.assertEqual(list(given), list(wanted))
+                for name, p in wanted.items():
+                    if p["kind"] in TAGS:
+                        self.assertEqual(given[name].tag, TAGS[p["kind"]])
+
+    def test_defaults_in_the_snippet_are_accepted_as_settings(self):
+        header = "wo_x,wo_y,wo_z,wi_x,wi_y,wi_z\n"
+        for m in materials():
+            with self.subTest(m["name"]):
+                settings = [
+                    f"{e.get('name')}={e.get('value')}".replace(", ", ",")
+                    for e in ElementTree.fromstring(m["xml"])
+                ]
+                row = header + "0,0,1,0.6,0,0.8\n"
+                self.assertEqual(
+                    self.succeed("eval", m["name"], *settings, stdin=row),
+                    self.succeed("eval", m["name"], stdin=row),
+                )
+
+
+if __name__ == "__main__":
+    main()
