@@ -1,6 +1,6 @@
 #include "cli/commands.h"
+#include "cli/scene_material.h"
 #include "formats/direction_table.h"
-#include "formats/scene_material.h"
 
 namespace faceta::cli {
 

@@ -1,6 +1,6 @@
-#include "formats/scene_material.h"
+#include "cli/scene_material.h"
 
-namespace faceta {
+namespace faceta::cli {
 
 ColumnMaterial load_scene_material(const std::string& scene, const std::string& id, const Settings&,
                                    Isa, TransportMode) {
@@ -8,4 +8,4 @@ ColumnMaterial load_scene_material(const std::string& scene, const std::string& 
               "name the material and its parameters instead");
 }
 
-} // namespace faceta
+} // namespace faceta::cli

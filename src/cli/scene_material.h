@@ -2,7 +2,7 @@
 
 #include "bsdf/columns.h"
 
-namespace faceta {
+namespace faceta::cli {
 
 /// The material that a scene file gives an id, textures and nesting included, ready to be run over
 /// arrays.
@@ -11,4 +11,4 @@ namespace faceta {
 ColumnMaterial load_scene_material(const std::string& scene, const std::string& id,
                                    const Settings& defines, Isa isa, TransportMode mode);
 
-} // namespace faceta
+} // namespace faceta::cli
