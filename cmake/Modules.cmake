@@ -4,10 +4,13 @@
 # inline functions across them, and old CPUs would meet instructions they do not have.
 #
 #   faceta_add_material_modules(<name> [NAMESPACE <ns>] MATERIALS <header>:<Struct>...
-#                               [EXTRA <source>...] [LIBS <target>...])
+#                               [EXTRA <source>...] [LIBS <target>...]
+#                               [OUTPUT_DIRECTORY <folder>])
 #
 # makes the static library faceta_<name>_models with `std::vector<faceta::Model> <name>_models()` in
-# namespace <ns> (double reference, derivatives, descriptors) and the modules in lib/faceta/.
+# namespace <ns> (double reference, derivatives, descriptors) and the modules in lib/faceta/. With an
+# OUTPUT_DIRECTORY they go there instead and are not installed: a program adds them by
+# Registry::global().add(<name>_models(), folder, "<name>").
 
 set(FACETA_ISAS scalar v3 v4)
 set(FACETA_FLAGS_scalar -DFACETA_LANE_WIDTH=1)
@@ -21,9 +24,13 @@ function(faceta_write path content)
 endfunction()
 
 function(faceta_add_material_modules name)
-  cmake_parse_arguments(M "" "NAMESPACE" "MATERIALS;EXTRA;LIBS" ${ARGN})
+  cmake_parse_arguments(M "" "NAMESPACE;OUTPUT_DIRECTORY" "MATERIALS;EXTRA;LIBS" ${ARGN})
   if(NOT M_NAMESPACE)
     set(M_NAMESPACE faceta)
+  endif()
+  set(folder ${CMAKE_BINARY_DIR}/lib/faceta)
+  if(M_OUTPUT_DIRECTORY)
+    set(folder ${M_OUTPUT_DIRECTORY})
   endif()
   set(dir ${CMAKE_CURRENT_BINARY_DIR}/${name})
   set(models "")
@@ -59,19 +66,25 @@ function(faceta_add_material_modules name)
   faceta_write(${dir}/table.cpp
     "#include \"bsdf/kernel.h\"\n${declare_kernels}extern \"C\" __attribute__((visibility(\"default\"))) const faceta::ModuleTable* faceta_module_table() {\n  static const faceta::MaterialKernel* const kernels[] = {${call_kernels}};\n  static const faceta::ModuleTable table{faceta::kModuleAbi, FACETA_LANE_WIDTH, FACETA_ISA_NAME, ${count}, kernels, ${render}};\n  return &table;\n}\n")
 
+  find_package(Ceres REQUIRED) # its targets are seen in this folder only
   add_library(faceta_${name}_models STATIC ${models} ${dir}/models.cpp)
+  target_include_directories(faceta_${name}_models PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
   target_link_libraries(faceta_${name}_models PUBLIC faceta_bsdf Ceres::ceres)
   foreach(isa ${FACETA_ISAS})
     set(target faceta_${name}_${isa})
     add_library(${target} MODULE ${kernels} ${dir}/table.cpp ${M_EXTRA})
     target_include_directories(${target} PRIVATE ${CMAKE_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})
     target_compile_options(${target} PRIVATE ${FACETA_FLAGS_${isa}} -DFACETA_ISA_NAME="${isa}"
-      -fvisibility=hidden -fvisibility-inlines-hidden -Wno-missing-field-initializers)
+      -fvisibility=hidden -fvisibility-inlines-hidden -Wno-missing-field-initializers
+      # GCC 12 unrolls the loops over channels and coefficients at -O3 only.
+      $<$<CONFIG:Release,RelWithDebInfo>:-O3>)
     target_link_options(${target} PRIVATE -Wl,--version-script=${FACETA_MODULE_SCRIPT} -Wl,--no-undefined)
     target_link_libraries(${target} PRIVATE ${M_LIBS})
     set_target_properties(${target} PROPERTIES PREFIX "" OUTPUT_NAME ${name}_${isa}
-      LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/faceta)
-    set_property(GLOBAL APPEND PROPERTY FACETA_MODULE_TARGETS ${target})
+      LIBRARY_OUTPUT_DIRECTORY ${folder})
+    if(NOT M_OUTPUT_DIRECTORY)
+      set_property(GLOBAL APPEND PROPERTY FACETA_MODULE_TARGETS ${target})
+    endif()
     add_dependencies(faceta_${name}_models ${target})
   endforeach()
 endfunction()

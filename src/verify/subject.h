@@ -1,0 +1,77 @@
+#pragma once
+
+/// What a property is proved of: a model with values for its parameters.
+
+#include "bsdf/registry.h"
+#include "verify/batch.h"
+
+#include <string>
+#include <vector>
+
+namespace faceta {
+
+/// How much work a verdict may cost: quick for every build, full for continuous integration.
+enum class Effort { quick, full };
+
+/// The verdict on one property.
+struct Outcome {
+  bool passed = true;
+  std::string message; ///< what failed and where; or what was measured
+  double figure = 0;   ///< the property's own measure: smallest p-value, largest error, ...
+
+  /// Records a failure; only the first one keeps its words.
+  void fail(const std::string& text) {
+    if (passed)
+      message = text;
+    passed = false;
+  }
+};
+
+struct Subject {
+  const Model* model;
+  Parameters parameters;
+  Record record;
+  bool lossless = false;
+
+  Subject(const Model& m, const Parameters& p, bool loses_nothing = false);
+  /// An exemplar of the model's own.
+  Subject(const Model& m, const Exemplar& exemplar);
+
+  const Traits& traits() const { return model->descriptor.traits; }
+  const MaterialKernel& kernel(Isa isa) const { return *model->kernels[int(isa)]; }
+  /// The kernel of the widest instruction set here.
+  const MaterialKernel& widest() const { return kernel(best_isa()); }
+  bool transmissive() const { return (traits().lobes & kTransmission) != 0; }
+
+  Eval<double> reference(const Vec3<double>& wo, const Vec3<double>& wi,
+                         TransportMode mode = TransportMode::radiance) const {
+    return model->eval(record, {wo, wi, mode});
+  }
+};
+
+/// Whether turning both directions about the normal changes a value (beyond rounding).
+bool is_anisotropic(const Subject& subject);
+
+/// Directions towards the viewer: 0, 30, 60, 80, 89 degrees; from below as well if the model
+/// scatters there; one azimuth, three for anisotropic models (full effort: more of each).
+std::vector<Vec3<float>> viewers(const Subject& subject, Effort effort);
+/// Never fewer than viewers() returns, whatever the subject; for correcting a level.
+int most_viewers(Effort effort);
+
+/// Directions near which a density may have a narrow peak for this viewer.
+std::vector<Vec3<double>> peak_hints(const Subject& subject, const Vec3<double>& wo);
+
+/// "(x, y, z)" with enough digits to read the float back.
+std::string to_text(const Vec3<float>& v);
+
+/// How far a change of one unit in the last place of any component of wo or wi, or of any
+/// parameter, moves the reference: the largest change, for each of the three values and the
+/// density.
+struct Sensitivity {
+  Eval<double> center;
+  double change[4] = {0, 0, 0, 0};
+};
+Sensitivity ulp_sensitivity(const Subject& subject, const Vec3<float>& wo, const Vec3<float>& wi,
+                            TransportMode mode);
+
+} // namespace faceta
