@@ -62,6 +62,9 @@ struct RenderKernels {
   int32_t lane_width;
   /// Renders until next_chunk says no; allocates its pools once at the start.
   void (*run)(const RenderJob& job, RenderCounters& counters);
+  /// One root material, its tree and textures, over arrays; `eval` or `sample` may be null.
+  void (*scatter)(const SceneView& scene, int32_t root, int32_t importance,
+                  const EvalArrays* eval, const SampleArrays* sample, int n);
 };
 
 } // namespace faceta

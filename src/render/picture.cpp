@@ -64,12 +64,13 @@ Image make_picture(const RenderResult& result, const FilmDesc& film,
     }
   }
   image.metadata["software"] = "Faceta " + facts.version;
+  image.metadata["facetaVersion"] = facts.version;
   image.metadata["scene"] = facts.scene;
   image.metadata["command"] = facts.command;
   image.metadata["integrator"] = integrator.type;
   image.metadata["seed"] = static_cast<int>(facts.seed);
-  image.metadata["samplesPerPixel"] = static_cast<int>(sums.samples);
-  image.metadata["renderTimeSeconds"] = result.seconds;
+  image.metadata["spp"] = static_cast<int>(sums.samples);
+  image.metadata["time"] = result.seconds;
   return image;
 }
 

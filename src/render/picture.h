@@ -14,7 +14,7 @@ struct PictureFacts {
 
 /// The channels of the film's pixel_format (luminance, luminance_alpha, rgb, rgba, xyz, xyza),
 /// behind them those of a moment integrator (name.X .Y .Z: the mean; m2_name.X .Y .Z: the mean of
-/// squares), with typed metadata: scene, samplesPerPixel, seed, renderTimeSeconds, software, ...
+/// squares), with typed metadata: scene, spp, seed, time (seconds), version, ...
 Image make_picture(const RenderResult& result, const FilmDesc& film,
                    const IntegratorDesc& integrator, const PictureFacts& facts);
 

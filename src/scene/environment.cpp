@@ -99,16 +99,34 @@ void EnvironmentTables::set_rotations(const ToWorld& m, int width) {
   }
 }
 
+/// The alias table of a row in 16 + 16 bits; leaves each cell's density along the row in its pdf.
+void EnvironmentTables::add_row(int y, int columns, const std::vector<double>& weights) {
+  AliasTable table = make_alias_table(weights);
+  size_t first = size_t(y) * columns;
+  std::vector<double> share(columns, 0.0);
+  for (int x = 0; x < columns; ++x) {
+    uint32_t threshold = static_cast<uint32_t>(std::min(65535.0, table.threshold[x] * 65536.0));
+    uint32_t alias = table.threshold[x] >= 1 ? uint32_t(x) : uint32_t(table.alias[x]);
+    column_aliases_[first + x] = threshold | alias << 16;
+    share[x] += threshold / 65536.0;
+    share[alias] += 1 - threshold / 65536.0;
+  }
+  for (int x = 0; x < columns; ++x)
+    cells_[first + x].pdf = static_cast<float>(share[x]);
+}
+
 void EnvironmentTables::add_image(const Image& image) {
   if (image.width < 2 || image.height < 3)
     throw Error("the image of the environment is smaller than 2 x 3 pixels");
   int columns = image.width, rows = image.height - 1;
-  if (int64_t(columns) * rows > kMaxCells)
-    throw Error("the image of the environment has more than 2^26 pixels", {}, "make it smaller");
+  if (int64_t(columns) * rows > kMaxCells || columns > 65536)
+    throw Error("the image of the environment has more than 2^26 pixels or 65536 columns", {},
+                "make it smaller");
   for (float v : image.data)
     if (!std::isfinite(v))
       throw Error("the image of the environment holds a value that is not finite");
   cells_.assign(size_t(columns) * rows + 1, {});
+  column_aliases_.assign(size_t(columns) * rows + 1, {});
   std::vector<double> row_weights(rows);
   double total = 0;
   for (int y = 0; y < rows; ++y) {
@@ -122,14 +140,8 @@ void EnvironmentTables::add_image(const Image& image) {
       }
       weights[x] = brightness(cell) * sine;
       row_weights[y] += weights[x];
-      cell.pdf = static_cast<float>(weights[x]);
     }
-    AliasTable table = make_alias_table(weights);
-    for (int x = 0; x < columns; ++x) {
-      EnvironmentCell& cell = cells_[size_t(y) * columns + x];
-      cell.threshold = table.threshold[x];
-      cell.alias = table.alias[x];
-    }
+    add_row(y, columns, weights);
     total += row_weights[y];
   }
   if (!(total > 0)) {
@@ -137,10 +149,14 @@ void EnvironmentTables::add_image(const Image& image) {
     black_ = true;
     std::fill_n(view_.radiance, 3, 0.0f);
     cells_.clear();
+    column_aliases_.clear();
     return;
   }
-  for (EnvironmentCell& cell : cells_)
-    cell.pdf = static_cast<float>(cell.pdf / total * columns * rows);
+  for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < columns; ++x) {
+      EnvironmentCell& cell = cells_[size_t(y) * columns + x];
+      cell.pdf = static_cast<float>(double(cell.pdf) * row_weights[y] / total * rows);
+    }
   AliasTable table = make_alias_table(row_weights);
   row_threshold_ = std::move(table.threshold);
   row_alias_ = std::move(table.alias);
@@ -153,16 +169,19 @@ void EnvironmentTables::add_image(const Image& image) {
 EnvironmentView EnvironmentTables::view() const {
   EnvironmentView view = view_;
   static const EnvironmentCell kNoCell{};
+  static const EnvironmentAlias kNoColumn = 65535;
   static const float kNoThreshold = 1;
   static const int32_t kNoAlias = 0;
   view.cells = cells_.empty() ? &kNoCell : cells_.data();
+  view.column_aliases = column_aliases_.empty() ? &kNoColumn : column_aliases_.data();
   view.row_threshold = row_threshold_.empty() ? &kNoThreshold : row_threshold_.data();
   view.row_alias = row_alias_.empty() ? &kNoAlias : row_alias_.data();
   return view;
 }
 
 size_t EnvironmentTables::bytes() const {
-  return cells_.size() * sizeof(EnvironmentCell) + row_threshold_.size() * 8;
+  return cells_.size() * (sizeof(EnvironmentCell) + sizeof(EnvironmentAlias)) +
+         row_threshold_.size() * 8;
 }
 
 } // namespace faceta

@@ -2,6 +2,7 @@
 
 /// Light from infinity: cells and alias tables for the kernels.
 
+#include "base/huge_vector.h"
 #include "scene/scene.h"
 
 namespace faceta {
@@ -31,10 +32,12 @@ public:
 private:
   void set_rotations(const ToWorld& to_world, int width);
   void add_image(const Image& image);
+  void add_row(int y, int columns, const std::vector<double>& weights);
 
   EnvironmentView view_{};
   bool black_ = true;
-  std::vector<EnvironmentCell> cells_;
+  HugeVector<EnvironmentCell> cells_;
+  HugeVector<EnvironmentAlias> column_aliases_;
   std::vector<float> row_threshold_;
   std::vector<int32_t> row_alias_;
 };

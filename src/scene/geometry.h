@@ -2,6 +2,7 @@
 
 /// Triangles and quadrics of a scene as the kernels and Embree read them.
 
+#include "base/huge_vector.h"
 #include "scene/mesh.h"
 #include "scene/primitives.h"
 #include "scene/view.h"
@@ -29,7 +30,7 @@ double intersect(const QuadricShape& quadric, const Double3& o, const Double3& d
 struct SceneGeometry {
   static constexpr double kNone = std::numeric_limits<double>::infinity();
 
-  std::vector<TriangleRecord> triangles;
+  HugeVector<TriangleRecord> triangles;
   std::vector<QuadricRecord> quadrics;
   std::vector<QuadricShape> quadric_shapes;
   std::vector<float> positions; ///< of the triangles' vertices, for Embree

@@ -69,7 +69,7 @@ TriangleRecord corner_of(const Mesh& mesh) {
   return g.triangles[0];
 }
 
-template <class E> const E* never_null(const std::vector<E>& array) {
+template <class E, class A> const E* never_null(const std::vector<E, A>& array) {
   static const E kNone{};
   return array.empty() ? &kNone : array.data();
 }
@@ -256,6 +256,11 @@ void Scene::use_sensor(const CameraDesc& camera, const FilmDesc& film) {
 const SceneView& Scene::view() const {
   assert(impl_->built);
   return impl_->view;
+}
+
+int Scene::view_root(int material) const {
+  assert(impl_->built);
+  return impl_->materials.final_root(material);
 }
 
 SceneStatistics Scene::statistics() const {

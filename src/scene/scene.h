@@ -156,6 +156,8 @@ public:
   /// for what makes no camera: a scale in to_world, an angle outside (0, 180), a crop off the film.
   void use_sensor(const CameraDesc& camera, const FilmDesc& film);
   const SceneView& view() const;
+  /// The root of view().roots that a material of add_material() became. After build().
+  int view_root(int material) const;
   SceneStatistics statistics() const;
 
   struct Impl;

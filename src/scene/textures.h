@@ -2,6 +2,7 @@
 
 /// The textures of a scene as the kernels read them.
 
+#include "base/huge_vector.h"
 #include "scene/scene.h"
 
 #include <memory>
@@ -28,8 +29,8 @@ private:
   struct Texels {
     std::weak_ptr<const Bitmap> source;
     bool raw = false;
-    std::vector<uint32_t> packed; ///< R | G << 8 | B << 16 | A << 24
-    std::vector<float> rgba;
+    HugeVector<uint32_t> packed; ///< R | G << 8 | B << 16 | A << 24
+    HugeVector<float> rgba;
     std::array<double, 3> mean{};
   };
 

@@ -145,13 +145,17 @@ struct alignas(64) LightNode {
 };
 static_assert(sizeof(LightNode) == 64);
 
+/// An entry of a row's alias table in 32 bits: keep this column if the remainder of the choice is
+/// below threshold / 2^16 (low half), else take the column in the high half. Cell densities are those
+/// of the rounded thresholds, so that nothing is biased.
+using EnvironmentAlias = uint32_t;
+
 /// One cell of the environment with its four corner texels. Columns are chosen by an alias table
 /// per row, rows by one alias table.
 struct alignas(64) EnvironmentCell {
-  float threshold; ///< keep this column if the remainder of the choice is below, else take alias
-  int32_t alias;
+  float reserved[2];
   float pdf; ///< density over the unit square of (u, v)
-  float reserved;
+  float reserved2;
   float texel[4][3]; ///< (0,0), (1,0), (0,1), (1,1)
 };
 static_assert(sizeof(EnvironmentCell) == 64);
@@ -163,6 +167,7 @@ struct EnvironmentView {
   float radiance[3];     ///< constant; for an image: a factor
   float to_local[9], to_world[9];
   const EnvironmentCell* cells;
+  const EnvironmentAlias* column_aliases; ///< one a cell
   const float* row_threshold;
   const int32_t* row_alias;
   float probability; ///< of choosing it instead of a light with a place

@@ -3,6 +3,7 @@
 /// Light from infinity in lanes: radiance along a direction, and sampling by two alias tables.
 
 #include "render/kernels/rows.h"
+#include "sampling/warp.h"
 #include "scene/view.h"
 #include "spectrum/color.h"
 
@@ -65,35 +66,52 @@ FACETA_INLINE EnvironmentLight<T> environment_light(const EnvironmentView& e, co
   return light;
 }
 
-/// A direction towards the light from infinity: `choice` picks the cell, `u` the place in it.
-template <class T> FACETA_INLINE EnvironmentLight<T>
-sample_environment(const EnvironmentView& e, const Vec2<T>& choice, const Vec2<T>& u) {
+/// The cell that `choice` picks: a row by one alias table, a column by the row's own.
+template <class T>
+FACETA_INLINE IntOf<T> choose_environment_cell(const EnvironmentView& e, const Vec2<T>& choice) {
   using I = IntOf<T>;
-  if (e.columns == 0) {
-    EnvironmentLight<T> light;
-    T z = fma(T(-2), choice.x, T(1)), r = sqrt(max(fma(-z, z, T(1)), T(0)));
-    SinCos<T> phi = sincos(T(2 * kPi) * choice.y);
-    light.direction = {r * phi.cos, r * phi.sin, z};
-    light.radiance = Color<T>(T(e.radiance[0]), T(e.radiance[1]), T(e.radiance[2]));
-    light.pdf = T(1 / (4 * kPi));
-    return light;
-  }
   T y = choice.y * T(float(e.rows)), cy = floor(y);
   I row = to_int(cy);
   auto keep_row = y - cy < gather<T>(e.row_threshold, row);
   row = select(keep_row, row, gather_int<T>(e.row_alias, row));
   T x = choice.x * T(float(e.columns)), cx = floor(x);
-  I cell = row * I(e.columns) + to_int(cx);
-  const float* cells = reinterpret_cast<const float*>(e.cells);
-  auto keep_column = x - cx < gather<T>(cells, cell << 4);
-  I alias = float_bits(gather<T>(cells + 1, cell << 4));
-  cell = select(keep_column, cell, row * I(e.columns) + alias);
-  T column = to_float(select(keep_column, to_int(cx), alias));
-  T s = (column + u.x) / T(float(e.columns)), t = (to_float(row) + u.y) / T(float(e.rows));
+  I first = row * I(e.columns), column = to_int(cx);
+  I entry = gather_int<T>(reinterpret_cast<const int32_t*>(e.column_aliases), first + column);
+  auto keep_column = (x - cx) * T(65536) < to_float(entry & I(0xffff));
+  I alias = (entry >> 16) & I(0xffff);
+  return first + select(keep_column, column, alias);
+}
+
+/// A direction towards the light from infinity through the place `u` in a chosen cell.
+template <class T>
+FACETA_INLINE EnvironmentLight<T> sample_environment_cell(const EnvironmentView& e,
+                                                          const IntOf<T>& cell,
+                                                          const Vec2<T>& u) {
+  using I = IntOf<T>;
+  // The quotient by way of float is off by one at most; the integer rest mends it.
+  I n(e.columns);
+  I row = to_int(to_float(cell) * T(1.0f / float(e.columns)));
+  I column = cell - row * n;
+  auto before = column < I(0), behind = column >= n;
+  row = row + select(behind, I(1), I(0)) - select(before, I(1), I(0));
+  column = column + select(before, n, I(0)) - select(behind, n, I(0));
+  T s = (to_float(column) + u.x) / T(float(e.columns));
+  T t = (to_float(row) + u.y) / T(float(e.rows));
   SinCos<T> phi = sincos(T(2 * kPi) * s), theta = sincos(T(kPi) * t);
   EnvironmentLight<T> light = detail::environment_cell<T>(e, cell, u.x, u.y, theta.sin);
   light.direction =
       rotate(e.to_world, Vec3<T>{theta.sin * phi.sin, theta.cos, -(theta.sin * phi.cos)});
+  return light;
+}
+
+/// A direction towards a constant environment.
+template <class T>
+FACETA_INLINE EnvironmentLight<T> sample_constant_environment(const EnvironmentView& e,
+                                                              const Vec2<T>& u) {
+  EnvironmentLight<T> light;
+  light.direction = uniform_sphere(u);
+  light.radiance = Color<T>(T(e.radiance[0]), T(e.radiance[1]), T(e.radiance[2]));
+  light.pdf = T(1 / (4 * kPi));
   return light;
 }
 

@@ -77,8 +77,16 @@ Color<Lanes> Wavefront::emission(const PathLanes& path, const SurfaceLanes<T>& s
   return select(lit, path.throughput * radiance * weight, Color<T>(T(0)));
 }
 
+/// The environment cells that the vertices at these dimensions sample.
+IntOf<Lanes> Wavefront::environment_cells(const SampleStream<T>& stream,
+                                          const I& dimension) const {
+  Vec2<T> choice = stream.pair(as_uint(dimension + I(4)));
+  return choose_environment_cell(scene_.environment, choice);
+}
+
 Wavefront::LightSample Wavefront::sample_lights(const SurfaceLanes<T>& s,
-                                                const SampleStream<T>& stream, const I& dimension) {
+                                                const SampleStream<T>& stream,
+                                                const I& dimension, const I& cell) {
   Vec2<T> u = stream.pair(as_uint(dimension));
   Vec2<T> choice = stream.pair(as_uint(dimension + I(2)));
   const EnvironmentView& e = scene_.environment;
@@ -112,8 +120,8 @@ Wavefront::LightSample Wavefront::sample_lights(const SurfaceLanes<T>& s,
     r.radiance *= falloff / select(r.valid, r.pdf, T(1));
   }
   if (e.probability > 0 && any(from_environment)) {
-    Vec2<T> place = e.columns ? stream.pair(as_uint(dimension + I(4))) : u;
-    EnvironmentLight<T> light = sample_environment(e, u, place);
+    EnvironmentLight<T> light = e.columns ? sample_environment_cell(e, cell, u)
+                                          : sample_constant_environment(e, u);
     T pdf = light.pdf * p_environment;
     r.direction = select(from_environment, light.direction, r.direction);
     r.distance = select(from_environment, T(1e30f), r.distance);
@@ -165,7 +173,10 @@ void Wavefront::shade_group(const ClassView& c, const int32_t* order, int n) {
                 !delta_only && any(use_light);
   LightSample l;
   if (lights) {
-    l = sample_lights(s, stream, dimension);
+    I cell(0);
+    if (scene_.environment.columns)
+      cell = gather_int<T>(cells_, load_int<T>(order));
+    l = sample_lights(s, stream, dimension, cell);
     q.wi_light = s.frame.to_local(l.direction);
   }
   ShadingResult<T> r = shader_.shade(c, q);
@@ -239,6 +250,9 @@ void Wavefront::continue_paths(const PathLanes& path, const SurfaceLanes<T>& s,
                bits_float(path.sample),
                bits_float(depth),
                bits_float(pack_normal(s.frame.n))};
+  if (scene_.environment.columns)
+    compress_store(next_cells_ + next_count_,
+                   environment_cells(stream, dimension + I(kPairsPerVertex)), alive);
   next_count_ += store_rows<T>(next_rows_ + 16 * next_count_, alive, row);
   // Chunks stay open while one of their paths lives.
   alignas(64) int32_t slots[W];
@@ -270,11 +284,3 @@ void Wavefront::shadows() {
 }
 
 } // namespace faceta
-
-const faceta::RenderKernels* faceta_render_kernels() {
-  static const faceta::RenderKernels kernels{
-      faceta::Wavefront::W, [](const faceta::RenderJob& job, faceta::RenderCounters& counters) {
-        faceta::Wavefront(job, counters).run();
-      }};
-  return &kernels;
-}

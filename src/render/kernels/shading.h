@@ -25,7 +25,8 @@ template <class T> struct ShadingResult {
 /// Runs the leaves of classes; owns the lane arrays that kernels read and write.
 template <class T> class Shader {
 public:
-  explicit Shader(const SceneView& scene) : scene_(scene) {
+  explicit Shader(const SceneView& scene, int32_t importance = 0)
+      : scene_(scene), importance_(importance) {
     for (int k = 0; k < kMaxSlots; ++k)
       slot_pointers_[k] = slots_[k];
   }
@@ -61,7 +62,7 @@ private:
     bind_textures(p, row, q);
     store(rows_, row);
     MaterialArgs args{p.records,  p.stride,       p.choices, p.tables,
-                      p.textured, slot_pointers_, rows_,     0};
+                      p.textured, slot_pointers_, rows_, importance_};
     put(wo_, {q.wo.x, q.wo.y, q.wo.z * side});
     put(wi_, {q.wi_light.x, q.wi_light.y, q.wi_light.z * side});
     store(uv_[0], q.uv.x);
@@ -199,6 +200,7 @@ private:
   }
 
   const SceneView& scene_;
+  int32_t importance_;
   alignas(64) float wo_[3][kWidth], wi_[3][kWidth], u_[2][kWidth], uv_[2][kWidth], uc_[kWidth];
   alignas(64) float value_[3][kWidth], pdf_[kWidth];
   alignas(64) float si_[3][kWidth], sv_[3][kWidth], sp_[kWidth], sw_[3][kWidth], se_[kWidth];

@@ -13,7 +13,8 @@ constexpr int kShadowStride = kPoolRows;
 Wavefront::Wavefront(const RenderJob& job, RenderCounters& counters)
     : job_(job), scene_(*job.scene), counters_(counters), shader_(*job.scene),
       scene_scale_(scene_.environment.scene_radius * 0.05f), row_memory_(2 * 16 * kPoolRows),
-      rows_(row_memory_), next_rows_(row_memory_ + 16 * kPoolRows), hits_(kPoolRows),
+      rows_(row_memory_), next_rows_(row_memory_ + 16 * kPoolRows),
+      cell_memory_(2 * kPoolRows), cells_(cell_memory_), next_cells_(cell_memory_ + kPoolRows), hits_(kPoolRows),
       order_(kPoolRows), keys_(kPoolRows), distances_(kPoolRows), camera_rays_(8 * kCameraStride),
       shadow_rays_(10 * kShadowStride), shadow_slots_(kPoolRows), blocked_(kPoolRows),
       pixel_x_(kPoolRows), pixel_y_(kPoolRows), samples_(kPoolRows),
@@ -39,6 +40,7 @@ void Wavefront::run() {
     }
     shadows();
     std::swap(rows_, next_rows_);
+    std::swap(cells_, next_cells_);
     count_ = next_count_;
     finish_chunks();
   }
@@ -130,6 +132,11 @@ void Wavefront::generate(int count) {
                  bits_float(I(0)),
                  bits_float(I(0))};
     store_rows<T>(rows_ + 16 * (count_ + i), M(true), row);
+    if (scene_.environment.columns) {
+      SampleStream<T> vertex(as_uint(pixel_index), as_uint(s), job_.settings.seed,
+                             job_.settings.sampler == SamplerType::sobol);
+      store(cells_ + count_ + i, environment_cells(vertex, I(1)));
+    }
   }
   RayArrays arrays{{rays, rays + kCameraStride, rays + 2 * kCameraStride},
                    {rays + 3 * kCameraStride, rays + 4 * kCameraStride, rays + 5 * kCameraStride},
@@ -193,6 +200,7 @@ void Wavefront::trace() {
 void Wavefront::sort() {
   std::fill(begin_.begin(), begin_.end(), 0);
   int32_t* counts = begin_.data() + 1;
+  bool environment = scene_.environment.columns > 0;
   for (int i = 0; i < count_; ++i) {
     int32_t code = hits_[i];
     int32_t key = 0;
@@ -202,6 +210,8 @@ void Wavefront::sort() {
       key = 1 + scene_.triangles[code].material;
     keys_[i] = key;
     ++counts[key];
+    if (environment && key)
+      __builtin_prefetch(scene_.environment.cells + cells_[i]);
   }
   for (size_t k = 1; k < begin_.size(); ++k)
     begin_[k] += begin_[k - 1];

@@ -76,11 +76,11 @@ TEST(Environment, MuseumShinesAsInMitsuba) {
 }
 
 /// The probabilities that an alias table gives its entries.
-std::vector<double> probabilities(const float* threshold, const int32_t* alias, int n, int stride) {
+std::vector<double> probabilities(const float* threshold, const int32_t* alias, int n) {
   std::vector<double> p(n);
   for (int i = 0; i < n; ++i) {
-    p[i] += threshold[i * stride] / double(n);
-    p[alias[i * stride]] += (1 - threshold[i * stride]) / double(n);
+    p[i] += threshold[i] / double(n);
+    p[alias[i]] += (1 - threshold[i]) / double(n);
   }
   return p;
 }
@@ -103,19 +103,21 @@ TEST(Environment, CellsAreChosenByTheirLight) {
       expected.push_back(light * std::sin(kPi * (y + 0.5) / 4));
       sum += expected.back();
     }
-  std::vector<double> row = probabilities(e.row_threshold, e.row_alias, 4, 1);
+  std::vector<double> row = probabilities(e.row_threshold, e.row_alias, 4);
   for (int y = 0; y < 4; ++y) {
     const EnvironmentCell* cells = e.cells + 7 * y;
+    const EnvironmentAlias* aliases = e.column_aliases + 7 * y;
     std::vector<float> threshold;
     std::vector<int32_t> alias;
     for (int x = 0; x < 7; ++x) {
-      threshold.push_back(cells[x].threshold);
-      alias.push_back(cells[x].alias);
+      threshold.push_back(float(aliases[x] & 0xffff) / 65536);
+      alias.push_back(int32_t(aliases[x] >> 16));
     }
-    std::vector<double> column = probabilities(threshold.data(), alias.data(), 7, 1);
+    std::vector<double> column = probabilities(threshold.data(), alias.data(), 7);
     for (int x = 0; x < 7; ++x) {
-      EXPECT_NEAR(row[y] * column[x], expected[7 * y + x] / sum, 1e-6);
-      EXPECT_NEAR(cells[x].pdf, expected[7 * y + x] / sum * 28, 1e-5);
+      // Thresholds have 16 bits; the density is that of the rounded ones, exactly.
+      EXPECT_NEAR(row[y] * column[x], expected[7 * y + x] / sum, 4.0 / 65536 / 7);
+      EXPECT_NEAR(cells[x].pdf, row[y] * column[x] * 28, 1e-5);
     }
   }
 }
