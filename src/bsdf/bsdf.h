@@ -83,7 +83,8 @@ template <class T> FACETA_INLINE Vec3<T> reflect(const Vec3<T>& w, const Vec3<T>
 /// value / pdf where the density is positive, and both cleared where it is not: the common end of
 /// every non-delta sample().
 template <class T> FACETA_INLINE void finish_sample(Sample<T>& s, const Eval<T>& e) {
-  auto ok = s.valid & (e.pdf > T(0));
+  // Below the normal floats 1 / pdf would overflow.
+  auto ok = s.valid & (e.pdf > T(1.2e-38));
   s.valid = ok;
   s.pdf = select(ok, e.pdf, T(0));
   s.value = select(ok, e.value, Color<T>(T(0)));

@@ -45,7 +45,7 @@ template <class T> FACETA_INLINE Vec3<T> sample_cosine_power(const Vec2<T>& u, c
 /// probability of choosing the diffuse lobe.
 template <class T> struct TwoLobes {
   Color<T> diffuse, specular;
-  T diffuse_probability = T(1);
+  T diffuse_probability = T(1), specular_probability = T(0);
 
   FACETA_INLINE void set(const Color<T>& rho_d, const Color<T>& rho_s) {
     Color<T> scale = (rho_d + rho_s).map([](const T& sum) { return T(1) / max(T(1), sum); });
@@ -53,7 +53,9 @@ template <class T> struct TwoLobes {
     specular = rho_s * scale;
     T d = mean(diffuse), s = mean(specular);
     auto black = !(d + s > T(0));
-    diffuse_probability = select(black, T(1), d / select(black, T(1), d + s));
+    T inverse = T(1) / select(black, T(1), d + s);
+    diffuse_probability = select(black, T(1), d * inverse);
+    specular_probability = select(black, T(0), s * inverse);
   }
   /// Value and density from the diffuse cosine/pi, the specular cosine-times-BRDF for white, and
   /// the density of the specular rule; zero where `above` is not set.
@@ -63,7 +65,8 @@ template <class T> struct TwoLobes {
     T zero(0);
     e.value =
         diffuse * select(above, diffuse_pdf, zero) + specular * select(above, specular_value, zero);
-    e.pdf = select(above, lerp(specular_pdf, diffuse_pdf, diffuse_probability), zero);
+    e.pdf = select(
+        above, fma(diffuse_probability, diffuse_pdf, specular_probability * specular_pdf), zero);
     return e;
   }
 };

@@ -36,14 +36,14 @@ TEST(OrenNayar, AlbedoTable) {
           << "variant " << row.variant << " sigma " << row.sigma;
 }
 
-// The full model exceeds 1 by at most 4.9 %, at sigma = 0.3 and grazing (4.4 % at 89 degrees).
+// The full model exceeds 1 most at sigma = 0.3 and grazing: 4.4 % at 89 degrees, about 5 % beyond.
 TEST(OrenNayar, FullModelStaysBelowItsBound) {
   EXPECT_NEAR(albedo(make(Model::kFull, 0.3), direction(std::cos(89 * kPi / 180)))[0], 1.044, 1e-3);
   for (double sigma = 0; sigma <= 1.6; sigma += 0.1)
     for (double cosine : {1.0, 0.7, 0.4, 0.2, 0.05, 0.01})
       EXPECT_LT(albedo(make(Model::kFull, sigma), direction(cosine), 100)[0], 1.05)
           << sigma << " " << cosine;
-  EXPECT_NEAR(albedo(make(Model::kFull, 0.3), direction(1e-3), 700)[0], 1.049, 1e-3);
+  EXPECT_NEAR(albedo(make(Model::kFull, 0.3), direction(1e-3), 700)[0], 1.050, 1e-3);
 }
 
 TEST(OrenNayar, SmoothIsLambertExactly) {
@@ -69,11 +69,11 @@ double printed_full(double rho, double sigma, double ti, double to, double dphi)
   double f1 =
       rho / kPi * (c1 + c * c2 * std::tan(b) + (1 - std::abs(c)) * c3 * std::tan((a + b) / 2));
   double f2 = 0.17 * rho * rho / kPi * s2 / (s2 + 0.13) * (1 - c * std::pow(2 * b / kPi, 2));
-  return std::max(f1 + f2, 0.0) * std::cos(ti);
+  return std::max(f1 + f2, 0.02 * rho / kPi) * std::cos(ti);
 }
 
 TEST(OrenNayar, FullModelIsThePrintedOne) {
-  int negative = 0;
+  int floored = 0;
   for (double sigma : {0.1, 0.3, 1.0, 1.5})
     for (double rho : {0.02, 0.5, 1.0})
       for (double to : {0.0, 0.3, 0.9, 1.4, 1.56})
@@ -85,9 +85,9 @@ TEST(OrenNayar, FullModelIsThePrintedOne) {
                     .value[0];
             double expected = printed_full(rho, sigma, ti, to, dphi);
             EXPECT_NEAR(value, expected, 1e-12 + 1e-9 * expected);
-            negative += expected == 0;
+            floored += expected < 0.021 * rho / kPi * std::cos(ti);
           }
-  EXPECT_GT(negative, 0); // the clamp of the fit is part of what was compared
+  EXPECT_GT(floored, 0); // the floor under the fit is part of what was compared
 }
 
 TEST(OrenNayar, SimpleModelIsThePrintedOne) {
