@@ -29,6 +29,8 @@ function(faceta_room_tests name)
     target_compile_definitions(test_${name} PRIVATE
       FACETA_TEST_DATA="${CMAKE_SOURCE_DIR}/tests/unit/${name}"
       FACETA_SHARED_DATA="${CMAKE_SOURCE_DIR}/../shared/data")
+    # What the tests of a room need beside their sources.
+    include(${CMAKE_SOURCE_DIR}/tests/unit/${name}/tests.cmake OPTIONAL)
     gtest_discover_tests(test_${name} TEST_PREFIX "${name}/" DISCOVERY_TIMEOUT 60
       PROPERTIES TIMEOUT 900)
   endif()

@@ -57,6 +57,7 @@ struct LaneMask {
     return *this = *this * b;                                                                      \
   }
 
+// a != b is the opposite of a == b: Highway's Ne calls a NaN equal to everything.
 #define FACETA_LANE_COMPARISONS(Type)                                                              \
   friend FACETA_INLINE LaneMask operator<(Type a, Type b) {                                        \
     return mask(hn::Lt(a.v, b.v));                                                                 \
@@ -68,7 +69,7 @@ struct LaneMask {
     return mask(hn::Eq(a.v, b.v));                                                                 \
   }                                                                                                \
   friend FACETA_INLINE LaneMask operator!=(Type a, Type b) {                                       \
-    return mask(hn::Ne(a.v, b.v));                                                                 \
+    return !(a == b);                                                                              \
   }
 
 #define FACETA_LANE_BITWISE(Type)                                                                  \

@@ -1,7 +1,7 @@
 #pragma once
 
 /// Elementary functions for every number type. float and Lanes run the same polynomials (own
-/// minimax fits; at most 2 ulp over the stated ranges, see tests/unit/base) and so give the same
+/// minimax fits; 2 ulp where nothing else is said, see tests/unit/base) and so give the same
 /// bits; double takes the C library's; ceres::Jet its own (base/jet.h).
 
 #include "base/number.h"
@@ -132,18 +132,32 @@ template <SinglePrecision T> FACETA_INLINE T pow(const T& x, const T& y) {
   return select(y == T(0), T(1), result);
 }
 
+namespace detail {
+
+// x - n pi/2 for the nearest integer n. pi/2 in three parts: the first difference is exact, and so
+// is the second where it cancels, since all its terms are multiples of 2^-40.
+template <SinglePrecision T> FACETA_INLINE T reduce_quadrant(const T& x, IntOf<T>& quadrant) {
+  T n = floor(fma(x, T(0.636619772f), T(0.5f)));
+  T r = fma(n, T(-1.57079637f), x);
+  r = fma(n, T(4.37112249e-08f), r);
+  r = fma(n, T(1.65139956e-13f), r);
+  quadrant = to_int(n);
+  return r;
+}
+
+inline constexpr float kSinePolynomial[] = {-0.166666667f, 0.00833333188f, -0.000198400869f,
+                                            2.72499273e-06f};
+inline constexpr float kCosinePolynomial[] = {0.0416666647f, -0.00138883033f, 2.45479752e-05f};
+
+} // namespace detail
+
 /// sin and cos together; 2 ulp for |x| <= 1e4.
 template <SinglePrecision T> FACETA_INLINE SinCos<T> sincos(const T& x) {
-  T n = floor(fma(x, T(0.636619772f), T(0.5f)));
-  T r = fma(n, T(-1.5703125f), x); // pi/2 in three parts (Cody and Waite)
-  r = fma(n, T(-4.83751297e-4f), r);
-  r = fma(n, T(-7.54978942e-8f), r);
+  IntOf<T> quadrant;
+  T r = detail::reduce_quadrant(x, quadrant);
   T t = r * r;
-  constexpr float s[] = {-0.166666667f, 0.00833333188f, -0.000198400869f, 2.72499273e-06f};
-  constexpr float c[] = {0.0416666647f, -0.00138883033f, 2.45479752e-05f};
-  T sine = fma(r * t, polynomial(t, s), r);
-  T cosine = fma(t * t, polynomial(t, c), fma(T(-0.5f), t, T(1)));
-  IntOf<T> quadrant = to_int(n);
+  T sine = fma(r * t, polynomial(t, detail::kSinePolynomial), r);
+  T cosine = fma(t * t, polynomial(t, detail::kCosinePolynomial), fma(T(-0.5f), t, T(1)));
   auto swap = (quadrant & IntOf<T>(1)) != IntOf<T>(0);
   auto negative_sine = (quadrant & IntOf<T>(2)) != IntOf<T>(0);
   auto negative_cosine = ((quadrant + IntOf<T>(1)) & IntOf<T>(2)) != IntOf<T>(0);
@@ -156,51 +170,80 @@ template <SinglePrecision T> FACETA_INLINE T sin(const T& x) {
 template <SinglePrecision T> FACETA_INLINE T cos(const T& x) {
   return sincos(x).cos;
 }
+
+/// Tangent; 2.1 ulp for |x| <= 1e4.
 template <SinglePrecision T> FACETA_INLINE T tan(const T& x) {
-  SinCos<T> s = sincos(x);
-  return s.sin / s.cos;
+  IntOf<T> quadrant;
+  T r = detail::reduce_quadrant(x, quadrant);
+  T t = r * r;
+  // Numerator and denominator as sums of two floats each: the quotient's residual then takes back
+  // what rounding them took.
+  T sine_tail = r * t * polynomial(t, detail::kSinePolynomial);
+  T cosine_tail = fma(t * t, polynomial(t, detail::kCosinePolynomial), T(-0.5f) * t);
+  T sine = r + sine_tail, cosine = T(1) + cosine_tail;
+  sine_tail = sine_tail - (sine - r);
+  cosine_tail = cosine_tail - (cosine - T(1));
+  auto swap = (quadrant & IntOf<T>(1)) != IntOf<T>(0);
+  T p = select(swap, -cosine, sine), p_tail = select(swap, -cosine_tail, sine_tail);
+  T q = select(swap, sine, cosine), q_tail = select(swap, sine_tail, cosine_tail);
+  T y = p / q;
+  T correction = (fma(-y, q, p) + fma(-y, q_tail, p_tail)) / q;
+  return select(is_finite(correction), y + correction, y);
 }
 
-/// The angle of (x, y) in (-pi, pi]; atan2(0, 0) = 0.
+/// The angle of (x, y) in [-pi, pi], 2.5 ulp; atan2(0, 0) = 0.
 template <SinglePrecision T> FACETA_INLINE T atan2(const T& y, const T& x) {
   T ax = abs(x), ay = abs(y);
   T small = min(ax, ay), large = max(ax, ay);
   // Above tan(pi/8) rotate by pi/4: (a - b) / (a + b).
-  auto rotate = small > T(0.414213562f) * large;
+  auto rotate = small > T(0.414213562f) * large, steep = ay > ax, left = x < T(0);
   T p = select(rotate, small - large, small), q = select(rotate, small + large, large);
   T z = select(large == T(0), T(0), p / select(q == T(0), T(1), q));
+  // The angle is octants pi/4 + sign atan(z), with pi/4 in two parts.
+  T octants = select(rotate, T(1), T(0));
+  octants = select(steep, T(2) - octants, octants);
+  octants = select(left, T(4) - octants, octants);
+  z = select(steep, -z, z);
+  z = select(left, -z, z);
   T t = z * z;
   constexpr float c[] = {-0.333333319f, 0.199995594f, -0.142645045f, 0.107488304f, -0.0646674338f};
-  T angle = fma(z * t, polynomial(t, c), z);
-  angle = select(rotate, angle + T(0.785398163f), angle);
-  angle = select(ay > ax, T(1.57079633f) - angle, angle);
-  angle = select(x < T(0), T(3.14159265f) - angle, angle);
-  return copysign(angle, y);
+  T low = fma(z * t, polynomial(t, c), fma(octants, T(-2.18556941e-8f), z));
+  return copysign(fma(octants, T(0.785398185f), low), y);
 }
 
-/// Arc sine for |x| <= 1 (clamped).
-template <SinglePrecision T> FACETA_INLINE T asin(const T& x) {
-  T a = min(abs(x), T(1));
-  auto steep = a > T(0.5f); // asin a = pi/2 - 2 asin sqrt((1-a)/2)
-  T t = select(steep, T(0.5f) * (T(1) - a), a * a);
-  T r = select(steep, sqrt(t), a);
-  constexpr float c[] = {0.166666663f,  0.0750010316f, 0.044596626f,
-                         0.0311319097f, 0.017005832f,  0.0339210077f};
-  T y = fma(r * t, polynomial(t, c), r);
-  return copysign(select(steep, fma(T(-2), y, T(1.57079633f)), y), x);
-}
+namespace detail {
 
-/// Arc cosine for |x| <= 1 (clamped).
-template <SinglePrecision T> FACETA_INLINE T acos(const T& x) {
+// What asin and acos share: asin(a) = r + tail for a <= 1/2, pi/2 - 2 (r + tail) above (r then is
+// sqrt((1 - a) / 2)), a = min(|x|, 1).
+template <SinglePrecision T> FACETA_INLINE MaskOf<T> asin_parts(const T& x, T& r, T& tail) {
   T a = min(abs(x), T(1));
   auto steep = a > T(0.5f);
   T t = select(steep, T(0.5f) * (T(1) - a), a * a);
-  T r = select(steep, sqrt(t), a);
+  r = select(steep, sqrt(t), a);
   constexpr float c[] = {0.166666663f,  0.0750010316f, 0.044596626f,
                          0.0311319097f, 0.017005832f,  0.0339210077f};
-  T y = fma(r * t, polynomial(t, c), r);
-  T mild = T(1.57079633f) - copysign(y, x);
-  T near = select(x < T(0), fma(T(-2), y, T(3.14159265f)), y + y);
+  tail = r * t * polynomial(t, c);
+  return steep;
+}
+
+} // namespace detail
+
+/// Arc sine for |x| <= 1 (clamped), 2 ulp.
+template <SinglePrecision T> FACETA_INLINE T asin(const T& x) {
+  T r, tail;
+  auto steep = detail::asin_parts(x, r, tail);
+  // pi/2 = 1.57079637 - 4.37e-8
+  T high = fma(T(-2), tail + T(2.18556941e-8f), fma(T(-2), r, T(1.57079637f)));
+  return copysign(select(steep, high, r + tail), x);
+}
+
+/// Arc cosine for |x| <= 1 (clamped), 2 ulp.
+template <SinglePrecision T> FACETA_INLINE T acos(const T& x) {
+  T r, tail;
+  auto steep = detail::asin_parts(x, r, tail);
+  T y = r + tail;
+  T mild = T(1.57079637f) - (copysign(y, x) + T(4.37113883e-8f));
+  T near = select(x < T(0), fma(T(-2), y, T(3.14159274f)) - T(8.74227766e-8f), y + y);
   return select(steep, near, mild);
 }
 
@@ -216,7 +259,7 @@ template <SinglePrecision T> FACETA_INLINE T erf(const T& x) {
   return copysign(select(a < T(1), small, large), x);
 }
 
-/// The inverse of erf on (-1, 1), to 2e-6 relative (Giles 2010, "Approximating the erfinv
+/// The inverse of erf on (-1, 1), 4 ulp (the form of Giles 2010, "Approximating the erfinv
 /// function").
 template <SinglePrecision T> FACETA_INLINE T erfinv(const T& x) {
   T w = -log((T(1) - x) * (T(1) + x));
