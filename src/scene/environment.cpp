@@ -1,5 +1,7 @@
 #include "scene/environment.h"
 
+#include "scene/environment_leaves.h"
+
 #include "bsdf/kernel.h"
 #include "scene/affine.h"
 #include "spectrum/cie.h"
@@ -15,6 +17,8 @@ namespace {
 
 // Kernels count words of cells in 32 bits.
 constexpr int64_t kMaxCells = int64_t(1) << 26;
+// 16 bytes each: the table stays in the second-level cache.
+constexpr int kMaxLeaves = 1 << 15;
 
 std::array<double, 3> texel(const Image& image, int x, int y) {
   const float* p = &image.data[image.offset(x % image.width, y)];
@@ -99,38 +103,40 @@ void EnvironmentTables::set_rotations(const ToWorld& m, int width) {
   }
 }
 
-/// The alias table of a row in 16 + 16 bits; leaves each cell's density along the row in its pdf.
-void EnvironmentTables::add_row(int y, int columns, const std::vector<double>& weights) {
-  AliasTable table = make_alias_table(weights);
-  size_t first = size_t(y) * columns;
-  std::vector<double> share(columns, 0.0);
-  for (int x = 0; x < columns; ++x) {
-    uint32_t threshold = static_cast<uint32_t>(std::min(65535.0, table.threshold[x] * 65536.0));
-    uint32_t alias = table.threshold[x] >= 1 ? uint32_t(x) : uint32_t(table.alias[x]);
-    column_aliases_[first + x] = threshold | alias << 16;
-    share[x] += threshold / 65536.0;
-    share[alias] += 1 - threshold / 65536.0;
+/// The table of rectangles, and in each cell the density that choosing by it has.
+void EnvironmentTables::add_leaves(const std::vector<double>& weights, double total) {
+  std::vector<EnvironmentRectangle> rectangles =
+      divide_environment(weights, view_.columns, view_.rows, kMaxLeaves);
+  std::vector<double> leaf_weights;
+  for (const EnvironmentRectangle& r : rectangles)
+    leaf_weights.push_back(r.weight);
+  AliasTable table = make_alias_table(leaf_weights);
+  double cells = double(view_.columns) * view_.rows;
+  for (size_t i = 0; i < rectangles.size(); ++i) {
+    const EnvironmentRectangle& r = rectangles[i];
+    leaves_.push_back({table.threshold[i], table.alias[i], uint32_t(r.x) | uint32_t(r.y) << 16,
+                       uint32_t(r.width) | uint32_t(r.height) << 16});
+    double density = r.weight / total * cells / (double(r.width) * r.height);
+    for (int y = r.y; y < r.y + r.height; ++y)
+      for (int x = r.x; x < r.x + r.width; ++x)
+        cells_[size_t(y) * view_.columns + x].pdf = static_cast<float>(density);
   }
-  for (int x = 0; x < columns; ++x)
-    cells_[first + x].pdf = static_cast<float>(share[x]);
 }
 
 void EnvironmentTables::add_image(const Image& image) {
   if (image.width < 2 || image.height < 3)
     throw Error("the image of the environment is smaller than 2 x 3 pixels");
   int columns = image.width, rows = image.height - 1;
-  if (int64_t(columns) * rows > kMaxCells || columns > 65536)
-    throw Error("the image of the environment has more than 2^26 pixels or 65536 columns", {},
+  if (int64_t(columns) * rows > kMaxCells || columns > 65535)
+    throw Error("the image of the environment has more than 2^26 pixels or 65535 columns", {},
                 "make it smaller");
   for (float v : image.data)
     if (!std::isfinite(v))
       throw Error("the image of the environment holds a value that is not finite");
   cells_.assign(size_t(columns) * rows + 1, {});
-  column_aliases_.assign(size_t(columns) * rows + 1, {});
-  std::vector<double> row_weights(rows);
+  std::vector<double> weights(size_t(columns) * rows);
   double total = 0;
   for (int y = 0; y < rows; ++y) {
-    std::vector<double> weights(columns);
     double sine = std::sin(kPi * (y + 0.5) / rows);
     for (int x = 0; x < columns; ++x) {
       EnvironmentCell& cell = cells_[size_t(y) * columns + x];
@@ -138,50 +144,33 @@ void EnvironmentTables::add_image(const Image& image) {
         auto rgb = texel(image, x + (k & 1), y + (k >> 1));
         std::copy(rgb.begin(), rgb.end(), cell.texel[k]);
       }
-      weights[x] = brightness(cell) * sine;
-      row_weights[y] += weights[x];
+      total += weights[size_t(y) * columns + x] = brightness(cell) * sine;
     }
-    add_row(y, columns, weights);
-    total += row_weights[y];
   }
   if (!(total > 0)) {
     // Nothing arrives: as good as a black constant, and nothing to divide by.
     black_ = true;
     std::fill_n(view_.radiance, 3, 0.0f);
     cells_.clear();
-    column_aliases_.clear();
     return;
   }
-  for (int y = 0; y < rows; ++y)
-    for (int x = 0; x < columns; ++x) {
-      EnvironmentCell& cell = cells_[size_t(y) * columns + x];
-      cell.pdf = static_cast<float>(double(cell.pdf) * row_weights[y] / total * rows);
-    }
-  AliasTable table = make_alias_table(row_weights);
-  row_threshold_ = std::move(table.threshold);
-  row_alias_ = std::move(table.alias);
-  row_threshold_.resize(rows + kLanePadding);
-  row_alias_.resize(rows + kLanePadding);
   view_.columns = columns;
   view_.rows = rows;
+  add_leaves(weights, total);
 }
 
 EnvironmentView EnvironmentTables::view() const {
   EnvironmentView view = view_;
   static const EnvironmentCell kNoCell{};
-  static const EnvironmentAlias kNoColumn = 65535;
-  static const float kNoThreshold = 1;
-  static const int32_t kNoAlias = 0;
   view.cells = cells_.empty() ? &kNoCell : cells_.data();
-  view.column_aliases = column_aliases_.empty() ? &kNoColumn : column_aliases_.data();
-  view.row_threshold = row_threshold_.empty() ? &kNoThreshold : row_threshold_.data();
-  view.row_alias = row_alias_.empty() ? &kNoAlias : row_alias_.data();
+  static const EnvironmentLeaf kNoLeaf{};
+  view.leaves = leaves_.empty() ? &kNoLeaf : leaves_.data();
+  view.leaf_count = static_cast<int32_t>(leaves_.size());
   return view;
 }
 
 size_t EnvironmentTables::bytes() const {
-  return cells_.size() * (sizeof(EnvironmentCell) + sizeof(EnvironmentAlias)) +
-         row_threshold_.size() * 8;
+  return cells_.size() * sizeof(EnvironmentCell) + leaves_.size() * sizeof(EnvironmentLeaf);
 }
 
 } // namespace faceta

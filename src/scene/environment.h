@@ -32,14 +32,12 @@ public:
 private:
   void set_rotations(const ToWorld& to_world, int width);
   void add_image(const Image& image);
-  void add_row(int y, int columns, const std::vector<double>& weights);
+  void add_leaves(const std::vector<double>& weights, double total);
 
   EnvironmentView view_{};
   bool black_ = true;
   HugeVector<EnvironmentCell> cells_;
-  HugeVector<EnvironmentAlias> column_aliases_;
-  std::vector<float> row_threshold_;
-  std::vector<int32_t> row_alias_;
+  HugeVector<EnvironmentLeaf> leaves_;
 };
 
 } // namespace faceta

@@ -145,13 +145,16 @@ struct alignas(64) LightNode {
 };
 static_assert(sizeof(LightNode) == 64);
 
-/// An entry of a row's alias table in 32 bits: keep this column if the remainder of the choice is
-/// below threshold / 2^16 (low half), else take the column in the high half. Cell densities are those
-/// of the rounded thresholds, so that nothing is biased.
-using EnvironmentAlias = uint32_t;
+/// A rectangle of cells within which the environment differs little, chosen by an alias table: keep
+/// it if a second number is below the threshold, else take its alias.
+struct alignas(16) EnvironmentLeaf {
+  float threshold;
+  int32_t alias;
+  uint32_t origin; ///< x | y << 16, in cells
+  uint32_t size;   ///< width | height << 16
+};
 
-/// One cell of the environment with its four corner texels. Columns are chosen by an alias table
-/// per row, rows by one alias table.
+/// One cell of the environment with its four corner texels.
 struct alignas(64) EnvironmentCell {
   float reserved[2];
   float pdf; ///< density over the unit square of (u, v)
@@ -167,9 +170,8 @@ struct EnvironmentView {
   float radiance[3];     ///< constant; for an image: a factor
   float to_local[9], to_world[9];
   const EnvironmentCell* cells;
-  const EnvironmentAlias* column_aliases; ///< one a cell
-  const float* row_threshold;
-  const int32_t* row_alias;
+  const EnvironmentLeaf* leaves;
+  int32_t leaf_count;
   float probability; ///< of choosing it instead of a light with a place
   float center[3], scene_radius;
 };

@@ -66,39 +66,41 @@ FACETA_INLINE EnvironmentLight<T> environment_light(const EnvironmentView& e, co
   return light;
 }
 
-/// The cell that `choice` picks: a row by one alias table, a column by the row's own.
+/// Where on the image `choice` (rectangle, alias) and `place` (inside it) lead, in cells.
 template <class T>
-FACETA_INLINE IntOf<T> choose_environment_cell(const EnvironmentView& e, const Vec2<T>& choice) {
+FACETA_INLINE Vec2<T> choose_environment_place(const EnvironmentView& e, const Vec2<T>& choice,
+                                               const Vec2<T>& place) {
   using I = IntOf<T>;
-  T y = choice.y * T(float(e.rows)), cy = floor(y);
-  I row = to_int(cy);
-  auto keep_row = y - cy < gather<T>(e.row_threshold, row);
-  row = select(keep_row, row, gather_int<T>(e.row_alias, row));
-  T x = choice.x * T(float(e.columns)), cx = floor(x);
-  I first = row * I(e.columns), column = to_int(cx);
-  I entry = gather_int<T>(reinterpret_cast<const int32_t*>(e.column_aliases), first + column);
-  auto keep_column = (x - cx) * T(65536) < to_float(entry & I(0xffff));
-  I alias = (entry >> 16) & I(0xffff);
-  return first + select(keep_column, column, alias);
+  const float* words = reinterpret_cast<const float*>(e.leaves);
+  const int32_t* integers = reinterpret_cast<const int32_t*>(e.leaves);
+  I leaf = min(to_int(choice.x * T(float(e.leaf_count))), I(e.leaf_count - 1));
+  auto keep = choice.y < gather<T>(words, leaf << 2);
+  leaf = select(keep, leaf, gather_int<T>(integers + 1, leaf << 2));
+  I origin = gather_int<T>(integers + 2, leaf << 2), size = gather_int<T>(integers + 3, leaf << 2);
+  auto low = [](const I& word) { return to_float(word & I(0xffff)); };
+  auto high = [](const I& word) { return to_float((word >> 16) & I(0xffff)); };
+  return {fma(low(size), place.x, low(origin)), fma(high(size), place.y, high(origin))};
 }
 
-/// A direction towards the light from infinity through the place `u` in a chosen cell.
+/// The cell of a place, kept on the image.
 template <class T>
-FACETA_INLINE EnvironmentLight<T> sample_environment_cell(const EnvironmentView& e,
-                                                          const IntOf<T>& cell,
-                                                          const Vec2<T>& u) {
+FACETA_INLINE IntOf<T> environment_cell_at(const EnvironmentView& e, const T& x, const T& y) {
   using I = IntOf<T>;
-  // The quotient by way of float is off by one at most; the integer rest mends it.
-  I n(e.columns);
-  I row = to_int(to_float(cell) * T(1.0f / float(e.columns)));
-  I column = cell - row * n;
-  auto before = column < I(0), behind = column >= n;
-  row = row + select(behind, I(1), I(0)) - select(before, I(1), I(0));
-  column = column + select(before, n, I(0)) - select(behind, n, I(0));
-  T s = (to_float(column) + u.x) / T(float(e.columns));
-  T t = (to_float(row) + u.y) / T(float(e.rows));
-  SinCos<T> phi = sincos(T(2 * kPi) * s), theta = sincos(T(kPi) * t);
-  EnvironmentLight<T> light = detail::environment_cell<T>(e, cell, u.x, u.y, theta.sin);
+  I column = min(to_int(x), I(e.columns - 1)), row = min(to_int(y), I(e.rows - 1));
+  return row * I(e.columns) + column;
+}
+
+/// The light through a place.
+template <class T>
+FACETA_INLINE EnvironmentLight<T> sample_environment_place(const EnvironmentView& e,
+                                                           const Vec2<T>& place) {
+  SinCos<T> phi = sincos(place.x * T(float(2 * kPi / e.columns)));
+  SinCos<T> theta = sincos(place.y * T(float(kPi / e.rows)));
+  T cx = min(floor(place.x), T(float(e.columns - 1)));
+  T cy = min(floor(place.y), T(float(e.rows - 1)));
+  EnvironmentLight<T> light =
+      detail::environment_cell<T>(e, environment_cell_at(e, place.x, place.y), place.x - cx,
+                                  place.y - cy, theta.sin);
   light.direction =
       rotate(e.to_world, Vec3<T>{theta.sin * phi.sin, theta.cos, -(theta.sin * phi.cos)});
   return light;

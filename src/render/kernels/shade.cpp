@@ -3,7 +3,8 @@
 namespace faceta {
 
 namespace {
-constexpr int kShadowStride = kPoolSize + Wavefront::kPad;
+constexpr int kPoolRows = kPoolSize + Wavefront::kPad;
+constexpr int kShadowStride = kPoolRows;
 // Pairs of random numbers: the film takes pair 0, each vertex five.
 constexpr int kPairsPerVertex = 5;
 } // namespace
@@ -77,16 +78,17 @@ Color<Lanes> Wavefront::emission(const PathLanes& path, const SurfaceLanes<T>& s
   return select(lit, path.throughput * radiance * weight, Color<T>(T(0)));
 }
 
-/// The environment cells that the vertices at these dimensions sample.
-IntOf<Lanes> Wavefront::environment_cells(const SampleStream<T>& stream,
+/// Where the vertices at these dimensions sample the environment.
+Vec2<Lanes> Wavefront::environment_places(const SampleStream<T>& stream,
                                           const I& dimension) const {
   Vec2<T> choice = stream.pair(as_uint(dimension + I(4)));
-  return choose_environment_cell(scene_.environment, choice);
+  Vec2<T> place = stream.pair(as_uint(dimension));
+  return choose_environment_place(scene_.environment, choice, place);
 }
 
 Wavefront::LightSample Wavefront::sample_lights(const SurfaceLanes<T>& s,
                                                 const SampleStream<T>& stream,
-                                                const I& dimension, const I& cell) {
+                                                const I& dimension, const Vec2<T>& place) {
   Vec2<T> u = stream.pair(as_uint(dimension));
   Vec2<T> choice = stream.pair(as_uint(dimension + I(2)));
   const EnvironmentView& e = scene_.environment;
@@ -120,7 +122,7 @@ Wavefront::LightSample Wavefront::sample_lights(const SurfaceLanes<T>& s,
     r.radiance *= falloff / select(r.valid, r.pdf, T(1));
   }
   if (e.probability > 0 && any(from_environment)) {
-    EnvironmentLight<T> light = e.columns ? sample_environment_cell(e, cell, u)
+    EnvironmentLight<T> light = e.columns ? sample_environment_place(e, place)
                                           : sample_constant_environment(e, u);
     T pdf = light.pdf * p_environment;
     r.direction = select(from_environment, light.direction, r.direction);
@@ -173,10 +175,12 @@ void Wavefront::shade_group(const ClassView& c, const int32_t* order, int n) {
                 !delta_only && any(use_light);
   LightSample l;
   if (lights) {
-    I cell(0);
-    if (scene_.environment.columns)
-      cell = gather_int<T>(cells_, load_int<T>(order));
-    l = sample_lights(s, stream, dimension, cell);
+    Vec2<T> place{T(0), T(0)};
+    if (scene_.environment.columns) {
+      I index = load_int<T>(order);
+      place = {gather<T>(places_, index), gather<T>(places_ + kPoolRows, index)};
+    }
+    l = sample_lights(s, stream, dimension, place);
     q.wi_light = s.frame.to_local(l.direction);
   }
   ShadingResult<T> r = shader_.shade(c, q);
@@ -250,9 +254,11 @@ void Wavefront::continue_paths(const PathLanes& path, const SurfaceLanes<T>& s,
                bits_float(path.sample),
                bits_float(depth),
                bits_float(pack_normal(s.frame.n))};
-  if (scene_.environment.columns)
-    compress_store(next_cells_ + next_count_,
-                   environment_cells(stream, dimension + I(kPairsPerVertex)), alive);
+  if (scene_.environment.columns) {
+    Vec2<T> place = environment_places(stream, dimension + I(kPairsPerVertex));
+    compress_store(next_places_ + next_count_, place.x, alive);
+    compress_store(next_places_ + kPoolRows + next_count_, place.y, alive);
+  }
   next_count_ += store_rows<T>(next_rows_ + 16 * next_count_, alive, row);
   // Chunks stay open while one of their paths lives.
   alignas(64) int32_t slots[W];

@@ -14,7 +14,7 @@ Wavefront::Wavefront(const RenderJob& job, RenderCounters& counters)
     : job_(job), scene_(*job.scene), counters_(counters), shader_(*job.scene),
       scene_scale_(scene_.environment.scene_radius * 0.05f), row_memory_(2 * 16 * kPoolRows),
       rows_(row_memory_), next_rows_(row_memory_ + 16 * kPoolRows),
-      cell_memory_(2 * kPoolRows), cells_(cell_memory_), next_cells_(cell_memory_ + kPoolRows), hits_(kPoolRows),
+      place_memory_(4 * kPoolRows), places_(place_memory_), next_places_(place_memory_ + 2 * kPoolRows), hits_(kPoolRows),
       order_(kPoolRows), keys_(kPoolRows), distances_(kPoolRows), camera_rays_(8 * kCameraStride),
       shadow_rays_(10 * kShadowStride), shadow_slots_(kPoolRows), blocked_(kPoolRows),
       pixel_x_(kPoolRows), pixel_y_(kPoolRows), samples_(kPoolRows),
@@ -40,7 +40,7 @@ void Wavefront::run() {
     }
     shadows();
     std::swap(rows_, next_rows_);
-    std::swap(cells_, next_cells_);
+    std::swap(places_, next_places_);
     count_ = next_count_;
     finish_chunks();
   }
@@ -135,7 +135,9 @@ void Wavefront::generate(int count) {
     if (scene_.environment.columns) {
       SampleStream<T> vertex(as_uint(pixel_index), as_uint(s), job_.settings.seed,
                              job_.settings.sampler == SamplerType::sobol);
-      store(cells_ + count_ + i, environment_cells(vertex, I(1)));
+      Vec2<T> place = environment_places(vertex, I(1));
+      store(places_ + count_ + i, place.x);
+      store(places_ + kPoolRows + count_ + i, place.y);
     }
   }
   RayArrays arrays{{rays, rays + kCameraStride, rays + 2 * kCameraStride},
@@ -200,7 +202,8 @@ void Wavefront::trace() {
 void Wavefront::sort() {
   std::fill(begin_.begin(), begin_.end(), 0);
   int32_t* counts = begin_.data() + 1;
-  bool environment = scene_.environment.columns > 0;
+  const EnvironmentView& e = scene_.environment;
+  bool environment = e.columns > 0;
   for (int i = 0; i < count_; ++i) {
     int32_t code = hits_[i];
     int32_t key = 0;
@@ -211,7 +214,7 @@ void Wavefront::sort() {
     keys_[i] = key;
     ++counts[key];
     if (environment && key)
-      __builtin_prefetch(scene_.environment.cells + cells_[i]);
+      __builtin_prefetch(e.cells + environment_cell_at(e, places_[i], places_[kPoolRows + i]));
   }
   for (size_t k = 1; k < begin_.size(); ++k)
     begin_[k] += begin_[k - 1];

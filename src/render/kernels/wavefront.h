@@ -115,8 +115,8 @@ private:
   SurfaceLanes<T> surface(const int32_t* order, const PathLanes& path) const;
   Color<T> emission(const PathLanes& path, const SurfaceLanes<T>& s, M active);
   LightSample sample_lights(const SurfaceLanes<T>& s, const SampleStream<T>& stream,
-                            const I& dimension, const I& cell);
-  I environment_cells(const SampleStream<T>& stream, const I& dimension) const;
+                            const I& dimension, const Vec2<T>& place);
+  Vec2<T> environment_places(const SampleStream<T>& stream, const I& dimension) const;
   void queue_shadow(const SurfaceLanes<T>& s, const LightSample& l, const Color<T>& contribution,
                     const I& slot, M mask);
   void continue_paths(const PathLanes& path, const SurfaceLanes<T>& s, const Sample<T>& sample,
@@ -134,10 +134,10 @@ private:
       0; ///< paths of earlier rounds, first in the pool; those behind are new and traced
   AlignedArray<float> row_memory_;
   float *rows_, *next_rows_; ///< the pool, and the one that survivors move to
-  /// The environment cell that each path's next vertex samples: chosen when the ray is made, so that
-  /// the cell is on its way from memory while others are shaded.
-  AlignedArray<int32_t> cell_memory_;
-  int32_t *cells_, *next_cells_;
+  /// The place on the environment that each path's next vertex samples: chosen when the ray is made,
+  /// so that its cell is on its way from memory while others are shaded. x, then y, of all paths.
+  AlignedArray<float> place_memory_;
+  float *places_, *next_places_;
   AlignedArray<int32_t> hits_, order_, keys_;
   AlignedArray<float> distances_;
   AlignedArray<float> camera_rays_; ///< origin, direction, near, far as arrays

@@ -103,23 +103,28 @@ TEST(Environment, CellsAreChosenByTheirLight) {
       expected.push_back(light * std::sin(kPi * (y + 0.5) / 4));
       sum += expected.back();
     }
-  std::vector<double> row = probabilities(e.row_threshold, e.row_alias, 4);
-  for (int y = 0; y < 4; ++y) {
-    const EnvironmentCell* cells = e.cells + 7 * y;
-    const EnvironmentAlias* aliases = e.column_aliases + 7 * y;
-    std::vector<float> threshold;
-    std::vector<int32_t> alias;
-    for (int x = 0; x < 7; ++x) {
-      threshold.push_back(float(aliases[x] & 0xffff) / 65536);
-      alias.push_back(int32_t(aliases[x] >> 16));
-    }
-    std::vector<double> column = probabilities(threshold.data(), alias.data(), 7);
-    for (int x = 0; x < 7; ++x) {
-      // Thresholds have 16 bits; the density is that of the rounded ones, exactly.
-      EXPECT_NEAR(row[y] * column[x], expected[7 * y + x] / sum, 4.0 / 65536 / 7);
-      EXPECT_NEAR(cells[x].pdf, row[y] * column[x] * 28, 1e-5);
-    }
+  // Every rectangle is chosen with its share of the light, uniformly inside; the densities in the
+  // cells say the same.
+  std::vector<float> threshold;
+  std::vector<int32_t> alias;
+  for (int i = 0; i < e.leaf_count; ++i) {
+    threshold.push_back(e.leaves[i].threshold);
+    alias.push_back(e.leaves[i].alias);
   }
+  std::vector<double> chosen = probabilities(threshold.data(), alias.data(), e.leaf_count);
+  int covered = 0;
+  for (int i = 0; i < e.leaf_count; ++i) {
+    int x0 = e.leaves[i].origin & 0xffff, y0 = e.leaves[i].origin >> 16;
+    int width = e.leaves[i].size & 0xffff, height = e.leaves[i].size >> 16;
+    double share = 0;
+    for (int y = y0; y < y0 + height; ++y)
+      for (int x = x0; x < x0 + width; ++x, ++covered) {
+        share += expected[7 * y + x] / sum;
+        EXPECT_NEAR(e.cells[7 * y + x].pdf, chosen[i] * 28 / (width * height), 1e-5);
+      }
+    EXPECT_NEAR(chosen[i], share, 1e-6);
+  }
+  EXPECT_EQ(covered, 28);
 }
 
 TEST(Environment, RotationsAreInverse) {
