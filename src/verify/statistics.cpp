@@ -62,13 +62,18 @@ ChiSquareResult chi_square_test(std::vector<HistogramCell> cells, double least, 
   ChiSquareResult result;
   std::vector<HistogramCell> kept;
   HistogramCell pool;
-  for (size_t i = 0; i < cells.size(); ++i) {
-    if (pool.expected == 0 && pool.observed == 0 && cells[i].expected >= least) {
-      kept.push_back(cells[i]);
+  for (const HistogramCell& cell : cells) {
+    bool large = cell.expected >= least;
+    if (large && pool.expected < nothing && pool.observed > 0) {
+      result.p_value = 0;
+      return result;
+    }
+    if (large && pool.expected < nothing) {
+      kept.push_back(cell);
       continue;
     }
-    pool.expected += cells[i].expected;
-    pool.observed += cells[i].observed;
+    pool.expected += cell.expected;
+    pool.observed += cell.observed;
     ++result.pooled;
     if (pool.expected >= least) {
       kept.push_back(pool);
