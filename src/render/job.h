@@ -31,7 +31,7 @@ struct Chunk {
   int32_t paths() const { return width * height * samples; }
 };
 
-inline constexpr int kMaxChunkPaths = 1 << 12;
+inline constexpr int kChunkShift = 12, kMaxChunkPaths = 1 << kChunkShift;
 
 enum class RayKind : int32_t { camera, closest, shadow };
 
@@ -63,8 +63,8 @@ struct RenderKernels {
   /// Renders until next_chunk says no; allocates its pools once at the start.
   void (*run)(const RenderJob& job, RenderCounters& counters);
   /// One root material, its tree and textures, over arrays; `eval` or `sample` may be null.
-  void (*scatter)(const SceneView& scene, int32_t root, int32_t importance,
-                  const EvalArrays* eval, const SampleArrays* sample, int n);
+  void (*scatter)(const SceneView& scene, int32_t root, int32_t importance, const EvalArrays* eval,
+                  const SampleArrays* sample, int n);
 };
 
 } // namespace faceta

@@ -1,9 +1,8 @@
 #include "scene/environment.h"
 
-#include "scene/environment_leaves.h"
-
 #include "bsdf/kernel.h"
 #include "scene/affine.h"
+#include "scene/environment_leaves.h"
 #include "spectrum/cie.h"
 
 #include <algorithm>

@@ -99,9 +99,8 @@ std::vector<EnvironmentRectangle> divide_environment(const std::vector<double>& 
   for (; !queue.empty(); queue.pop())
     rectangles.push_back(queue.top().rectangle);
   // In the order of the picture, so that neighbours lie side by side in memory.
-  std::sort(rectangles.begin(), rectangles.end(), [](const auto& a, const auto& b) {
-    return a.y != b.y ? a.y < b.y : a.x < b.x;
-  });
+  std::sort(rectangles.begin(), rectangles.end(),
+            [](const auto& a, const auto& b) { return a.y != b.y ? a.y < b.y : a.x < b.x; });
   // Weights anew from the cells: differences of large sums lose the dim ones.
   for (EnvironmentRectangle& r : rectangles) {
     r.weight = 0;

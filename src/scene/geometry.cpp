@@ -58,6 +58,9 @@ TriangleRecord make_triangle(const Mesh& mesh, uint32_t f, int shape) {
   put(r.v0, p[0]);
   put(r.e1, sub(p[1], p[0]));
   put(r.e2, sub(p[2], p[0]));
+  auto rounded = [](const float(&v)[3]) { return Double3{v[0], v[1], v[2]}; };
+  double doubled_area = length(cross(rounded(r.e1), rounded(r.e2)));
+  r.inverse_cross = doubled_area > 1e-38 ? static_cast<float>(1 / doubled_area) : 0.0f;
   put(r.dpdu, safe_tangent(point.dp_du));
   r.light = -1;
   r.shape = shape;

@@ -75,6 +75,10 @@ int LightStore::add_flat(LightType type, const TriangleRecord& t, int primitive,
   put(r.e1, e1);
   put(r.e2, e2);
   put(r.n, n);
+  r.length1 = static_cast<float>(length(e1));
+  r.length2 = static_cast<float>(length(e2));
+  r.inverse1 = static_cast<float>(1 / length(e1));
+  r.inverse2 = static_cast<float>(1 / length(e2));
   for (int c = 0; c < 2; ++c) {
     r.uv0[c] = t.uv0[c];
     r.duv1[c] = t.uv1[c] - t.uv0[c];

@@ -19,7 +19,7 @@ struct alignas(64) TriangleRecord {
   int32_t material;          ///< root material
   int32_t light;             ///< light record, -1 if it does not emit
   int32_t shape;             ///< index of the shape in the scene file
-  int32_t reserved;
+  float inverse_cross;       ///< 1 / |e1 x e2|, 0 if that is 0
   float n0[3], n1[3], n2[3]; ///< vertex normals (the face normal thrice where there are none)
   float uv0[2], uv1[2], uv2[2];
   float reserved2;
@@ -128,7 +128,8 @@ struct alignas(64) LightRecord {
   float uv0[2], duv1[2], duv2[2]; ///< uv = uv0 + b1 duv1 + b2 duv2
   uint32_t trail;                 ///< the way down the light BVH, one bit a level from the root
   int32_t depth;                  ///< how many levels
-  float reserved[4];
+  float length1, length2;         ///< of the edges
+  float inverse1, inverse2;       ///< of these
 };
 static_assert(sizeof(LightRecord) == 128);
 

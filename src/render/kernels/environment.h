@@ -67,9 +67,8 @@ FACETA_INLINE EnvironmentLight<T> environment_light(const EnvironmentView& e, co
 }
 
 /// Where on the image `choice` (rectangle, alias) and `place` (inside it) lead, in cells.
-template <class T>
-FACETA_INLINE Vec2<T> choose_environment_place(const EnvironmentView& e, const Vec2<T>& choice,
-                                               const Vec2<T>& place) {
+template <class T> FACETA_INLINE Vec2<T>
+choose_environment_place(const EnvironmentView& e, const Vec2<T>& choice, const Vec2<T>& place) {
   using I = IntOf<T>;
   const float* words = reinterpret_cast<const float*>(e.leaves);
   const int32_t* integers = reinterpret_cast<const int32_t*>(e.leaves);
@@ -91,25 +90,22 @@ FACETA_INLINE IntOf<T> environment_cell_at(const EnvironmentView& e, const T& x,
 }
 
 /// The light through a place.
-template <class T>
-FACETA_INLINE EnvironmentLight<T> sample_environment_place(const EnvironmentView& e,
-                                                           const Vec2<T>& place) {
+template <class T> FACETA_INLINE EnvironmentLight<T>
+sample_environment_place(const EnvironmentView& e, const Vec2<T>& place) {
   SinCos<T> phi = sincos(place.x * T(float(2 * kPi / e.columns)));
   SinCos<T> theta = sincos(place.y * T(float(kPi / e.rows)));
   T cx = min(floor(place.x), T(float(e.columns - 1)));
   T cy = min(floor(place.y), T(float(e.rows - 1)));
-  EnvironmentLight<T> light =
-      detail::environment_cell<T>(e, environment_cell_at(e, place.x, place.y), place.x - cx,
-                                  place.y - cy, theta.sin);
+  EnvironmentLight<T> light = detail::environment_cell<T>(
+      e, environment_cell_at(e, place.x, place.y), place.x - cx, place.y - cy, theta.sin);
   light.direction =
       rotate(e.to_world, Vec3<T>{theta.sin * phi.sin, theta.cos, -(theta.sin * phi.cos)});
   return light;
 }
 
 /// A direction towards a constant environment.
-template <class T>
-FACETA_INLINE EnvironmentLight<T> sample_constant_environment(const EnvironmentView& e,
-                                                              const Vec2<T>& u) {
+template <class T> FACETA_INLINE EnvironmentLight<T>
+sample_constant_environment(const EnvironmentView& e, const Vec2<T>& u) {
   EnvironmentLight<T> light;
   light.direction = uniform_sphere(u);
   light.radiance = Color<T>(T(e.radiance[0]), T(e.radiance[1]), T(e.radiance[2]));

@@ -59,7 +59,9 @@ void scatter(const SceneView& scene, int32_t root, int32_t importance, const Eva
   }
 }
 
-void run(const RenderJob& job, RenderCounters& counters) { Wavefront(job, counters).run(); }
+void run(const RenderJob& job, RenderCounters& counters) {
+  Wavefront(job, counters).run();
+}
 
 } // namespace
 

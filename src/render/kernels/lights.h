@@ -11,7 +11,7 @@ namespace faceta {
 /// The fields of LightRecord a lane needs.
 template <class T> struct LightLanes {
   IntOf<T> type, texture, primitive, trail, depth;
-  T area, radius;
+  T area, radius, length1, length2, inverse1, inverse2;
   Vec3<T> p, e1, e2, n;
   Color<T> radiance;
   Vec2<T> uv0, duv1, duv2;
@@ -23,8 +23,16 @@ FACETA_INLINE LightLanes<T> load_lights(const SceneView& scene, const IntOf<T>& 
   store(rows, index);
   T a[16], b[16];
   const float* base = reinterpret_cast<const float*>(scene.lights);
-  load_rows<T>(base, 32, rows, a);
-  load_rows<T>(base + 16, 32, rows, b);
+  if (all(index == IntOf<T>(rows[0]))) { // one light for all lanes: the usual case
+    const float* row = base + int64_t(rows[0]) * 32;
+    for (int k = 0; k < 16; ++k) {
+      a[k] = T(row[k]);
+      b[k] = T(row[16 + k]);
+    }
+  } else {
+    load_rows<T>(base, 32, rows, a);
+    load_rows<T>(base + 16, 32, rows, b);
+  }
   LightLanes<T> l;
   l.type = as_integer(a[0]);
   l.texture = as_integer(a[1]);
@@ -41,6 +49,10 @@ FACETA_INLINE LightLanes<T> load_lights(const SceneView& scene, const IntOf<T>& 
   l.duv2 = {b[8], b[9]};
   l.trail = as_integer(b[10]);
   l.depth = as_integer(b[11]);
+  l.length1 = b[12];
+  l.length2 = b[13];
+  l.inverse1 = b[14];
+  l.inverse2 = b[15];
   return l;
 }
 
@@ -177,6 +189,17 @@ template <class T> FACETA_INLINE T sphere_cone(const LightLanes<T>& l, const Vec
   return select(sin2 < T(0.9999f), sin2 / (T(1) + cosine), T(0));
 }
 
+/// Rectangles that fill much of the view are sampled by solid angle, others by area: from afar both
+/// are alike, and the area costs a quarter.
+template <class T>
+FACETA_INLINE MaskOf<T> near_rectangle(const LightLanes<T>& l, const Vec3<T>& p) {
+  T half = T(0.5f);
+  Vec3<T> to_center = fma(l.e1, half, fma(l.e2, half, l.p)) - p;
+  T diagonal2 = fma(l.length1, l.length1, l.length2 * l.length2);
+  auto rectangle = l.type == IntOf<T>(static_cast<int32_t>(LightType::rectangle));
+  return rectangle & (diagonal2 > T(0.3f) * dot(to_center, to_center));
+}
+
 /// The solid angle of a rectangle and what sampling it needs (Urena, Fajardo and King 2013).
 template <class T> struct RectangleView {
   Vec3<T> x, y, z; ///< unit axes; z points away from p
@@ -187,9 +210,8 @@ template <class T> struct RectangleView {
 template <class T>
 FACETA_INLINE RectangleView<T> view_rectangle(const LightLanes<T>& l, const Vec3<T>& p) {
   RectangleView<T> r;
-  T width = length(l.e1), height = length(l.e2);
-  r.x = l.e1 * (T(1) / width);
-  r.y = l.e2 * (T(1) / height);
+  r.x = l.e1 * l.inverse1;
+  r.y = l.e2 * l.inverse2;
   r.z = l.n;
   Vec3<T> d = l.p - p;
   r.x0 = dot(d, r.x);
@@ -197,20 +219,29 @@ FACETA_INLINE RectangleView<T> view_rectangle(const LightLanes<T>& l, const Vec3
   r.z0 = dot(d, r.z);
   r.z = select(r.z0 > T(0), -r.z, r.z);
   r.z0 = -abs(r.z0);
-  r.x1 = r.x0 + width;
-  r.y1 = r.y0 + height;
+  r.x1 = r.x0 + l.length1;
+  r.y1 = r.y0 + l.length2;
   // The normals of the four side planes lie in the planes x = const or y = const.
   T z2 = r.z0 * r.z0;
   T ny0 = T(1) / sqrt(fma(r.y0, r.y0, z2)), nx1 = T(1) / sqrt(fma(r.x1, r.x1, z2));
   T ny1 = T(1) / sqrt(fma(r.y1, r.y1, z2)), nx0 = T(1) / sqrt(fma(r.x0, r.x0, z2));
   T n0z = -r.y0 * ny0, n1z = r.x1 * nx1, n2z = r.y1 * ny1, n3z = -r.x0 * nx0;
-  // dot(n0, n1) = n0z n1z, as their other components lie along y and x.
-  T g0 = acos(-(n0z * n1z)), g1 = acos(-(n1z * n2z));
-  T g2 = acos(-(n2z * n3z)), g3 = acos(-(n3z * n0z));
+  // dot(n0, n1) = n0z n1z, as their other components lie along y and x. The angles g_i = acos(-n_i
+  // n_j) add up as arguments of unit complex numbers do: two arc tangents instead of four cosines.
+  auto unit = [](const T& c) { return Vec2<T>{-c, safe_sqrt(fma(-c, c, T(1)))}; };
+  auto times = [](const Vec2<T>& p, const Vec2<T>& q) {
+    return Vec2<T>{fma(p.x, q.x, -(p.y * q.y)), fma(p.x, q.y, p.y * q.x)};
+  };
+  Vec2<T> g01 = times(unit(n0z * n1z), unit(n1z * n2z));
+  Vec2<T> g23 = times(unit(n2z * n3z), unit(n3z * n0z));
   r.b0 = n0z;
   r.b1 = n2z;
-  r.k = T(2 * kPi) - g2 - g3;
-  T s = g0 + g1 - r.k;
+  // g2 + g3 lies in [0, 2 pi]; the solid angle is the sum of all four less 2 pi.
+  T k = atan2(g23.y, g23.x);
+  r.k = select(k < T(0), -k, T(2 * kPi) - k);
+  Vec2<T> all_four = times(g01, g23);
+  T s = atan2(all_four.y, all_four.x);
+  s = select(s < T(0), s + T(2 * kPi), s);
   // Below this the sum of four angles has lost its digits; the area is then uniform enough.
   r.solid_angle = select((s > T(0.02f)) & (r.z0 < T(0)), s, T(0));
   return r;
@@ -236,12 +267,12 @@ FACETA_INLINE Vec3<T> sample_rectangle(const RectangleView<T>& r, const Vec2<T>&
 
 /// A point on a light seen from p.
 template <class T> struct LightPoint {
-  Vec3<T> offset; ///< from p to the point
-  Vec3<T> normal; ///< there, on the emitting side
-  T pdf;          ///< solid angle; 1 for a point light
+  Vec3<T> offset, direction; ///< from p to the point; the same of length 1
+  T distance;
+  T pdf; ///< solid angle; 1 for a point light
   Vec2<T> uv;
   MaskOf<T> delta;
-  MaskOf<T> valid;
+  MaskOf<T> valid; ///< p lies on the emitting side
 };
 
 template <class T> FACETA_INLINE LightPoint<T>
@@ -261,13 +292,14 @@ sample_light(const SceneView& scene, const LightLanes<T>& l, const Vec3<T>& p, c
   Vec3<T> normal = l.n;
   auto by_area = triangle | rectangle | quadric;
   T solid_pdf = T(0);
-  if (any(rectangle)) {
+  auto near = near_rectangle(l, p);
+  if (any(near)) {
     RectangleView<T> r = view_rectangle(l, p);
-    auto wide = rectangle & (r.solid_angle > T(0));
+    auto wide = near & (r.solid_angle > T(0));
     Vec3<T> q = sample_rectangle(r, u);
     s.offset = select(wide, q, s.offset);
-    b1 = select(wide, (dot(q, r.x) - r.x0) / (r.x1 - r.x0), b1);
-    b2 = select(wide, (dot(q, r.y) - r.y0) / (r.y1 - r.y0), b2);
+    b1 = select(wide, (dot(q, r.x) - r.x0) * l.inverse1, b1);
+    b2 = select(wide, (dot(q, r.y) - r.y0) * l.inverse2, b2);
     solid_pdf = select(wide, T(1) / r.solid_angle, solid_pdf);
     by_area = by_area & !wide;
   }
@@ -295,11 +327,15 @@ sample_light(const SceneView& scene, const LightLanes<T>& l, const Vec3<T>& p, c
   if (any(quadric))
     sample_quadric_light(scene, l, quadric, p, u, s.offset, normal, b1, b2);
   T d2 = dot(s.offset, s.offset);
-  T cosine = abs(dot(s.offset, normal)) / sqrt(max(d2, T(1e-30f)));
-  T area_pdf = d2 / max(cosine * l.area, T(1e-30f));
-  s.normal = normal;
-  s.pdf = select(point, T(1), select(by_area, area_pdf, solid_pdf));
-  s.valid = (d2 > T(0)) & (s.pdf > T(0)) & (point | !by_area | (cosine > T(1e-7f)));
+  T inverse = T(1) / sqrt(max(d2, T(1e-30f)));
+  s.distance = d2 * inverse;
+  s.direction = s.offset * inverse;
+  T cosine = -dot(s.direction, normal);
+  s.valid = (d2 > T(0)) & (point | (cosine > T(1e-7f)));
+  s.pdf = select(point, T(1), solid_pdf);
+  if (any(by_area))
+    s.pdf = select(by_area, d2 / max(cosine * l.area, T(1e-30f)), s.pdf);
+  s.valid = s.valid & (s.pdf > T(0));
   s.uv = {fma(l.duv1.x, b1, fma(l.duv2.x, b2, l.uv0.x)),
           fma(l.duv1.y, b1, fma(l.duv2.y, b2, l.uv0.y))};
   return s;
@@ -314,10 +350,10 @@ template <class T> FACETA_INLINE T light_direction_pdf(const LightLanes<T>& l, c
   T d2 = dot(offset, offset);
   T cosine = abs(dot(offset, normal)) / sqrt(max(d2, T(1e-30f)));
   T pdf = d2 / max(cosine * l.area, T(1e-30f));
-  auto rectangle = l.type == I(static_cast<int32_t>(LightType::rectangle));
-  if (any(rectangle)) {
+  auto near = near_rectangle(l, p);
+  if (any(near)) {
     T solid_angle = view_rectangle(l, p).solid_angle;
-    auto wide = rectangle & (solid_angle > T(0));
+    auto wide = near & (solid_angle > T(0));
     pdf = select(wide, T(1) / select(wide, solid_angle, T(1)), pdf);
   }
   auto sphere = l.type == I(static_cast<int32_t>(LightType::sphere));

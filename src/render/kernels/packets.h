@@ -95,6 +95,22 @@ FACETA_INLINE __m256i packet_mask(int remaining) {
   return _mm256_cmpgt_epi32(_mm256_set1_epi32(remaining), lanes);
 }
 
+/// Codes and distances of eight hits; prefetches what they point at.
+FACETA_INLINE void take_hits(const SceneView& scene, const uint32_t* geometry,
+                             const uint32_t* primitive, const float* far, __m256i valid,
+                             int32_t* codes, float* distances) {
+  __m256i g = _mm256_load_si256(reinterpret_cast<const __m256i*>(geometry));
+  __m256i p = _mm256_load_si256(reinterpret_cast<const __m256i*>(primitive));
+  __m256i none = _mm256_set1_epi32(-1);
+  __m256i quadric = _mm256_cmpeq_epi32(g, _mm256_set1_epi32(1));
+  p = _mm256_add_epi32(p, _mm256_and_si256(quadric, _mm256_set1_epi32(kQuadricHit)));
+  __m256i miss = _mm256_or_si256(_mm256_cmpeq_epi32(g, none), _mm256_xor_si256(valid, none));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(codes), _mm256_or_si256(p, miss));
+  _mm256_storeu_ps(distances, _mm256_load_ps(far));
+  for (int k = 0; k < 8; ++k)
+    prefetch_hit(scene, codes[k]);
+}
+
 template <class Packet> FACETA_INLINE void init_ray_hits(Packet& p, int width) {
   std::memset(p.ray.time, 0, 4 * width);
   std::memset(p.ray.mask, 0xff, 4 * width);
@@ -126,11 +142,8 @@ inline void trace_rows(const SceneView& scene, const float* rows, int n, int32_t
     _mm256_store_ps(p.ray.tfar, _mm256_set1_ps(__builtin_inff()));
     std::memset(p.hit.geomID, 0xff, sizeof p.hit.geomID);
     rtcIntersect8(valid, scene.embree, &context, &p);
-    for (int k = 0; k < 8; ++k) {
-      codes[i + k] = valid[k] ? hit_code(p.hit.geomID[k], p.hit.primID[k]) : kNoHit;
-      distances[i + k] = p.ray.tfar[k];
-      prefetch_hit(scene, codes[i + k]);
-    }
+    take_hits(scene, p.hit.geomID, p.hit.primID, p.ray.tfar, packet_mask(n - i), codes + i,
+              distances + i);
   }
 }
 
@@ -157,11 +170,9 @@ inline void trace_camera(const SceneView& scene, const RayArrays& rays, int n, i
     std::memcpy(p.ray.tfar, rays.far + i, kBytes);
     std::memset(p.hit.geomID, 0xff, sizeof p.hit.geomID);
     rtcIntersect16(valid, scene.embree, &context, &p);
-    for (int k = 0; k < kWidth; ++k) {
-      codes[i + k] = valid[k] ? hit_code(p.hit.geomID[k], p.hit.primID[k]) : kNoHit;
-      distances[i + k] = p.ray.tfar[k];
-      prefetch_hit(scene, codes[i + k]);
-    }
+    for (int k = 0; k < kWidth; k += 8)
+      take_hits(scene, p.hit.geomID + k, p.hit.primID + k, p.ray.tfar + k, packet_mask(n - i - k),
+                codes + i + k, distances + i + k);
   }
 }
 

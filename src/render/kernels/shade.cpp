@@ -79,16 +79,15 @@ Color<Lanes> Wavefront::emission(const PathLanes& path, const SurfaceLanes<T>& s
 }
 
 /// Where the vertices at these dimensions sample the environment.
-Vec2<Lanes> Wavefront::environment_places(const SampleStream<T>& stream,
-                                          const I& dimension) const {
+Vec2<Lanes> Wavefront::environment_places(const SampleStream<T>& stream, const I& dimension) const {
   Vec2<T> choice = stream.pair(as_uint(dimension + I(4)));
   Vec2<T> place = stream.pair(as_uint(dimension));
   return choose_environment_place(scene_.environment, choice, place);
 }
 
 Wavefront::LightSample Wavefront::sample_lights(const SurfaceLanes<T>& s,
-                                                const SampleStream<T>& stream,
-                                                const I& dimension, const Vec2<T>& place) {
+                                                const SampleStream<T>& stream, const I& dimension,
+                                                const Vec2<T>& place) {
   Vec2<T> u = stream.pair(as_uint(dimension));
   Vec2<T> choice = stream.pair(as_uint(dimension + I(2)));
   const EnvironmentView& e = scene_.environment;
@@ -106,24 +105,24 @@ Wavefront::LightSample Wavefront::sample_lights(const SurfaceLanes<T>& s,
     LightChoice<T> light = choose_light(scene_, s.p, s.frame.n, max(v, T(0)));
     LightLanes<T> l = load_lights<T>(scene_, light.light);
     LightPoint<T> point = sample_light(scene_, l, s.p, u);
-    T distance = sqrt(dot(point.offset, point.offset));
-    r.distance = distance;
-    r.direction = point.offset * (T(1) / distance);
+    r.distance = point.distance;
+    r.direction = point.direction;
     T probability = light.probability * (T(1) - p_environment);
     r.pdf = point.pdf * probability;
     r.delta = point.delta;
-    M facing = point.delta | (dot(r.direction, point.normal) < T(0));
-    r.valid = point.valid & facing & (probability > T(0)) & !from_environment;
+    r.valid = point.valid & (probability > T(0)) & !from_environment;
     r.radiance = l.radiance;
     M textured = r.valid & (l.texture >= I(0));
     if (any(textured))
       r.radiance *= evaluate_textures<T>(scene_.textures, l.texture, point.uv, textured);
-    T falloff = select(point.delta, T(1) / (distance * distance), T(1));
-    r.radiance *= falloff / select(r.valid, r.pdf, T(1));
+    T density = select(r.valid, r.pdf, T(1));
+    if (any(point.delta))
+      density = select(point.delta, density * point.distance * point.distance, density);
+    r.radiance *= T(1) / density;
   }
   if (e.probability > 0 && any(from_environment)) {
-    EnvironmentLight<T> light = e.columns ? sample_environment_place(e, place)
-                                          : sample_constant_environment(e, u);
+    EnvironmentLight<T> light =
+        e.columns ? sample_environment_place(e, place) : sample_constant_environment(e, u);
     T pdf = light.pdf * p_environment;
     r.direction = select(from_environment, light.direction, r.direction);
     r.distance = select(from_environment, T(1e30f), r.distance);
@@ -221,7 +220,9 @@ void Wavefront::queue_shadow(const SurfaceLanes<T>& s, const LightSample& l,
 void Wavefront::continue_paths(const PathLanes& path, const SurfaceLanes<T>& s,
                                const Sample<T>& sample, const SampleStream<T>& stream,
                                const I& dimension, M active) {
-  Vec3<T> d = normalize(s.frame.to_world(sample.wi));
+  Vec3<T> d = s.frame.to_world(sample.wi);
+  // Of length 1 but for rounding: one Newton step keeps long chains of mirrors from drifting.
+  d = d * fma(T(-0.5f), dot(d, d), T(1.5f));
   Color<T> throughput = path.throughput * sample.weight * T(job_.settings.bsdf_scale);
   T eta = path.eta * sample.eta;
   T largest = max_component(throughput);
@@ -260,11 +261,12 @@ void Wavefront::continue_paths(const PathLanes& path, const SurfaceLanes<T>& s,
     compress_store(next_places_ + kPoolRows + next_count_, place.y, alive);
   }
   next_count_ += store_rows<T>(next_rows_ + 16 * next_count_, alive, row);
-  // Chunks stay open while one of their paths lives.
-  alignas(64) int32_t slots[W];
-  store(slots, path.slot);
-  for (uint32_t bits = mask_bits(alive); bits; bits &= bits - 1)
-    ++ring_[slots[__builtin_ctz(bits)] / kMaxChunkPaths].alive;
+  // Chunks stay open while one of their paths lives; in flight are at most kChunkRing of them.
+  I ring = path.slot >> kChunkShift;
+  for (uint64_t i = head_; i < tail_; ++i) {
+    int index = static_cast<int>(i % kChunkRing);
+    ring_[index].alive += count(alive & (ring == I(index)));
+  }
 }
 
 void Wavefront::shadows() {

@@ -62,7 +62,7 @@ private:
     bind_textures(p, row, q);
     store(rows_, row);
     MaterialArgs args{p.records,  p.stride,       p.choices, p.tables,
-                      p.textured, slot_pointers_, rows_, importance_};
+                      p.textured, slot_pointers_, rows_,     importance_};
     put(wo_, {q.wo.x, q.wo.y, q.wo.z * side});
     put(wi_, {q.wi_light.x, q.wi_light.y, q.wi_light.z * side});
     store(uv_[0], q.uv.x);

@@ -61,7 +61,7 @@ triangle_point(const SceneView& scene, const IntOf<T>& index, const Vec3<T>& o, 
   T v = clamp(dot(d, cross(s, e1)) * inverse, T(0), T(1) - u);
   SurfaceLanes<T> point;
   point.p = fma(e1, u, fma(e2, v, v0));
-  point.geometric = normalize(cross(e1, e2));
+  point.geometric = cross(e1, e2) * a[15];
   T w = T(1) - u - v;
   Vec3<T> n = Vec3<T>{b[0], b[1], b[2]} * w;
   n = fma(Vec3<T>{b[3], b[4], b[5]}, u, n);

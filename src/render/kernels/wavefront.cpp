@@ -13,8 +13,8 @@ constexpr int kShadowStride = kPoolRows;
 Wavefront::Wavefront(const RenderJob& job, RenderCounters& counters)
     : job_(job), scene_(*job.scene), counters_(counters), shader_(*job.scene),
       scene_scale_(scene_.environment.scene_radius * 0.05f), row_memory_(2 * 16 * kPoolRows),
-      rows_(row_memory_), next_rows_(row_memory_ + 16 * kPoolRows),
-      place_memory_(4 * kPoolRows), places_(place_memory_), next_places_(place_memory_ + 2 * kPoolRows), hits_(kPoolRows),
+      rows_(row_memory_), next_rows_(row_memory_ + 16 * kPoolRows), place_memory_(4 * kPoolRows),
+      places_(place_memory_), next_places_(place_memory_ + 2 * kPoolRows), hits_(kPoolRows),
       order_(kPoolRows), keys_(kPoolRows), distances_(kPoolRows), camera_rays_(8 * kCameraStride),
       shadow_rays_(10 * kShadowStride), shadow_slots_(kPoolRows), blocked_(kPoolRows),
       pixel_x_(kPoolRows), pixel_y_(kPoolRows), samples_(kPoolRows),

@@ -134,8 +134,9 @@ private:
       0; ///< paths of earlier rounds, first in the pool; those behind are new and traced
   AlignedArray<float> row_memory_;
   float *rows_, *next_rows_; ///< the pool, and the one that survivors move to
-  /// The place on the environment that each path's next vertex samples: chosen when the ray is made,
-  /// so that its cell is on its way from memory while others are shaded. x, then y, of all paths.
+  /// The place on the environment that each path's next vertex samples: chosen when the ray is
+  /// made, so that its cell is on its way from memory while others are shaded. x, then y, of all
+  /// paths.
   AlignedArray<float> place_memory_;
   float *places_, *next_places_;
   AlignedArray<int32_t> hits_, order_, keys_;
