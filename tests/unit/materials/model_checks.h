@@ -58,6 +58,23 @@ Color<double> mean_weight(const Model& m, const Direction& wo, int n = 64, int c
   return sum * (1.0 / (double(n) * n * choices));
 }
 
+/// Mean weight of sample() over a low-discrepancy sequence in all three numbers (additive
+/// recurrence with the powers of the root of x^4 = x + 1).
+template <class Model> Color<double> mean_sampled_weight(const Model& m, const Direction& wo) {
+  constexpr int kSamples = 50000;
+  constexpr double kRoot = 1.2207440846057596;
+  Color<double> sum;
+  for (int i = 0; i < kSamples; ++i) {
+    auto number = [&](double power) {
+      double x = 0.5 + (i + 1) / power;
+      return x - std::floor(x);
+    };
+    sum += m.sample(wo, {{number(kRoot), number(kRoot * kRoot)}, number(kRoot * kRoot * kRoot)}, {})
+               .weight;
+  }
+  return sum * (1.0 / kSamples);
+}
+
 /// The density is that of sample(): the probability of success and the means of five functions of
 /// the direction agree with their integrals against the density, within 5 standard errors. Delta
 /// samples are left out on both sides. Returns the probability of success.
