@@ -35,15 +35,39 @@ Quadrature gauss_legendre(int n) {
   return q;
 }
 
+/// The visible normals of wo at the nodes of the quadrature, by maps that are smooth in both
+/// numbers.
+std::vector<Vec3<double>> directions(const Microfacet<double>& surface, const Vec3<double>& wo,
+                                     const Quadrature& q) {
+  std::vector<Vec3<double>> result;
+  size_t n = q.x.size();
+  if (surface.options.distribution == kGgx) {
+    for (size_t k = 0; k < n * n; ++k)
+      result.push_back(surface.sample_reflection(wo, {q.x[k / n], q.x[k % n]}));
+    return result;
+  }
+  double x = surface.alpha_u * wo.x, y = surface.alpha_v * wo.y, r = std::hypot(x, y);
+  double c = r > 0 ? x / r : 1, s = r > 0 ? y / r : 0;
+  std::vector<double> along;
+  for (double u : q.x)
+    along.push_back(beckmann_visible_slope(wo.z / std::max(r, 1e-30), u));
+  for (size_t k = 0; k < n * n; ++k) {
+    double a = along[k / n], b = erfinv(2 * q.x[k % n] - 1);
+    Vec3<double> m{surface.alpha_u * (a * c - b * s), surface.alpha_v * (a * s + b * c), 1};
+    result.push_back(reflect(wo, normalize(m)));
+  }
+  return result;
+}
+
 double albedo(const Microfacet<double>& surface, const Vec3<double>& wo, const Quadrature& q) {
   double sum = 0;
-  for (size_t a = 0; a < q.x.size(); ++a)
-    for (size_t b = 0; b < q.x.size(); ++b) {
-      Vec3<double> wi = surface.sample_reflection(wo, {q.x[a], q.x[b]});
-      MicrofacetReflection<double> r = surface.reflection(wo, wi);
-      if (r.pdf > 0)
-        sum += q.weight[a] * q.weight[b] * r.value / r.pdf;
-    }
+  size_t n = q.x.size();
+  std::vector<Vec3<double>> wi = directions(surface, wo, q);
+  for (size_t k = 0; k < n * n; ++k) {
+    MicrofacetReflection<double> r = surface.reflection(wo, wi[k]);
+    if (r.pdf > 0)
+      sum += q.weight[k / n] * q.weight[k % n] * r.value / r.pdf;
+  }
   return sum;
 }
 
@@ -86,7 +110,10 @@ double mean_of_slice(const double* slice, double roughness) {
 
 double microfacet_albedo(const MicrofacetOptions& options, double alpha_u, double alpha_v,
                          const Vec3<double>& wo, int n) {
-  return albedo(Microfacet<double>(options, alpha_u, alpha_v), wo, gauss_legendre(n));
+  MicrofacetOptions visible = options;
+  visible.sample_visible = 1; // the quadrature's business only
+  visible.bounded = 1;
+  return albedo(Microfacet<double>(visible, alpha_u, alpha_v), wo, gauss_legendre(n));
 }
 
 std::vector<double> make_energy_table(const MicrofacetOptions& given, double alpha_u,

@@ -43,27 +43,43 @@ FACETA_INLINE Color<T> fresnel_conductor_mean(const Color<T>& eta, const Color<T
 /// What happens at a dielectric interface.
 template <class T> struct DielectricFresnel {
   T reflectance;
+  T transmittance; ///< 1 - reflectance, without its cancellation near total reflection
   T cos_t;  ///< cosine of the transmitted direction, sign opposite to cos_i; 0 if totally reflected
   T eta_it; ///< index of the transmitted side over that of the incident side
   T eta_ti; ///< its inverse
 };
 
-/// Unpolarised reflectance of a dielectric for cos_i >= 0; eta_it is the index of the far side over
-/// that of the near side, eta_ti its inverse. Total internal reflection has reflectance 1.
+/// Unpolarised reflectance of a dielectric from both cosines >= 0, as far as they are known to obey
+/// Snell's law (or cos_t = 0: total internal reflection, reflectance 1); eta_it is the index of the
+/// far side over that of the near side, eta_ti its inverse.
 template <class T> FACETA_INLINE DielectricFresnel<T>
-fresnel_dielectric_near(const T& cos_i, const T& eta_it, const T& eta_ti) {
-  T c = min(cos_i, T(1));
-  // Snell's law without forming 1 - cos^2 or 1 - eta^2 by cancellation.
-  T t = eta_ti * safe_sqrt(fma(eta_it - T(1), eta_it + T(1), c * c));
+fresnel_dielectric_between(const T& cos_i, const T& cos_t, const T& eta_it, const T& eta_ti) {
+  T c = cos_i, t = cos_t;
   T p = eta_it * t, q = eta_it * c;
   T s_difference = c - p, s_sum = c + p, p_difference = t - q, p_sum = t + q;
   T x = s_difference * p_sum, y = p_difference * s_sum, z = s_sum * p_sum;
   T denominator = z * z;
-  auto regular = denominator > T(0);
-  T r = T(0.5) * fma(x, x, y * y) / select(regular, denominator, T(1));
-  r = select(regular, min(r, T(1)), T(1));
-  r = select(eta_it == T(1), T(0), r);
-  return {r, -t, eta_it, eta_ti};
+  auto regular = denominator > T(0); // otherwise grazing with no index step to speak of
+  T inverse = T(1) / select(regular, denominator, T(1));
+  auto matched = eta_it == T(1);
+  T r = T(0.5) * fma(x, x, y * y) * inverse;
+  r = select(matched, T(0), select(regular, min(r, T(1)), T(1)));
+  T through = T(2) * q * t * fma(p_sum, p_sum, s_sum * s_sum) * inverse;
+  through = select(matched, T(1), select(regular, min(through, T(1)), T(0)));
+  return {r, through, -t, eta_it, eta_ti};
+}
+
+/// Cosine of the transmitted direction, 0 for total internal reflection: Snell's law without
+/// forming 1 - cos^2 or 1 - eta^2 by cancellation.
+template <class T> FACETA_INLINE T snell_cosine(const T& cos_i, const T& eta_it, const T& eta_ti) {
+  return eta_ti * safe_sqrt(fma(eta_it - T(1), eta_it + T(1), cos_i * cos_i));
+}
+
+/// The same from cos_i in [0, 1] alone.
+template <class T> FACETA_INLINE DielectricFresnel<T>
+fresnel_dielectric_near(const T& cos_i, const T& eta_it, const T& eta_ti) {
+  T c = min(cos_i, T(1));
+  return fresnel_dielectric_between(c, snell_cosine(c, eta_it, eta_ti), eta_it, eta_ti);
 }
 
 /// The same for either side; eta > 0 is the index below the surface over the one above it. cos_i in

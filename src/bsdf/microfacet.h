@@ -38,17 +38,17 @@ template <class T> struct Microfacet {
 
   /// D(m): density of normals per solid angle, integral of D cos theta = 1.
   FACETA_INLINE T density(const Vec3<T>& m) const {
-    T inverse = T(1) / (alpha_u * alpha_v);
-    T length2 = dot(m, m), scale = inverse * T(kInvPi);
-    T x = m.x * (inverse * alpha_v), y = m.y * (inverse * alpha_u);
-    if (options.distribution == kGgx)
-      return scale * sqr(length2 / max(fma(m.z, m.z, fma(x, x, y * y)), T(1e-37)));
-    T iz = T(1) / m.z;
-    x = x * iz;
-    y = y * iz;
+    T length2 = dot(m, m), area = alpha_u * alpha_v;
+    if (options.distribution == kGgx) {
+      T inverse = T(1) / area, x = m.x * (inverse * alpha_v), y = m.y * (inverse * alpha_u);
+      T ratio = length2 / max(fma(m.z, m.z, fma(x, x, y * y)), T(1e-37));
+      return inverse * T(kInvPi) * sqr(ratio);
+    }
+    // True divisions: the exponential blows up each rounding of its argument.
+    T x = m.x / (alpha_u * m.z), y = m.y / (alpha_v * m.z);
     // Beyond the bound the exponential is 0, and 0 * inf must not arise.
-    T secant2 = min(length2 * iz * iz, T(1e9));
-    return scale * sqr(secant2) * exp(-fma(x, x, y * y));
+    T secant2 = min(length2 / (area * m.z * m.z), T(1e14));
+    return area * T(kInvPi) * sqr(secant2) * exp(-fma(x, x, y * y));
   }
 
   /// Smith's masking G1(w), the scene contract's: exact for GGX, Walter's rational fit (0.35 %) for
@@ -85,12 +85,11 @@ template <class T> struct Microfacet {
       return sample_cap(wo, u, T(1));
     T r = roughness_towards(wo);
     auto tilted = r > T(0);
-    T inverse = T(1) / select(tilted, r, T(1e-30)); // straight from above: cot = inf
+    T inverse = T(1) / max(r, T(1e-30)); // straight from above: cot = inf
     T c = select(tilted, alpha_u * wo.x * inverse, T(1)), s = alpha_v * wo.y * inverse;
-    // Slopes of the unit surface along and across the direction of view (Heitz and d'Eon 2014).
-    T along = beckmann_visible_slope(wo.z * inverse, u.x);
-    T across = erfinv(max(fma(T(2), u.y, T(-1)), T(-0.9999999)));
-    return {alpha_u * fma(along, c, -(across * s)), alpha_v * fma(along, s, across * c), T(1)};
+    // Slopes of the unit surface along and across the direction of view.
+    Vec2<T> x = beckmann_visible_slopes(wo.z, r, u);
+    return {alpha_u * fma(x.x, c, -(x.y * s)), alpha_v * fma(x.x, s, x.y * c), T(1)};
   }
   FACETA_INLINE T pdf_visible(const Vec3<T>& wo, const Vec3<T>& m) const {
     return density(m) * max(dot(wo, m), T(0)) / (length(m) * projected_area(wo));
@@ -145,7 +144,7 @@ private:
   FACETA_INLINE T projected_area(const T& z, const T& r) const {
     if (options.distribution == kGgx)
       return T(0.5) * (z + sqrt(fma(z, z, r * r)));
-    T a = min(z / max(r, T(1e-30)), T(1e6));
+    T a = min(z * (T(1) / max(r, T(1e-30))), T(6));
     return fma(T(0.5) * r, detail::ierfc(a), z);
   }
   FACETA_INLINE Ratio masking_ratio(const T& z, const T& r) const {

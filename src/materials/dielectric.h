@@ -52,7 +52,7 @@ template <class T> struct Dielectric {
     s.delta = true;
     s.lobe = select(reflected, IntOf<T>(kReflection), IntOf<T>(kTransmission));
     s.eta = select(reflected, T(1), f.eta_it);
-    s.pdf = select(s.valid, select(reflected, f.reflectance, T(1) - f.reflectance), T(0));
+    s.pdf = select(s.valid, select(reflected, f.reflectance, f.transmittance), T(0));
     s.weight = select(reflected, specular_reflectance, specular_transmittance * scale);
     s.weight = select(s.valid, s.weight, Color<T>(T(0)));
     return s;

@@ -70,7 +70,10 @@ template <class T> struct RoughDielectric {
     m = m * copysign(T(1), m.z);
     T m_length2 = max(dot(m, m), T(1e-37)), m_length = sqrt(m_length2);
     T mo = dot(o, m), mi = dot(i, m); // times |m|
-    T f = fresnel_dielectric_near(mo / m_length, side.eta_it, side.eta_ti).reflectance;
+    // Refraction knows both cosines: near the critical angle Snell's law would lose digits.
+    T cos_o = min(mo / m_length, T(1));
+    T cos_t = select(reflected, snell_cosine(cos_o, side.eta_it, side.eta_ti), abs(mi) / m_length);
+    DielectricFresnel<T> f = fresnel_dielectric_between(cos_o, cos_t, side.eta_it, side.eta_ti);
 
     Microfacet<T> all = surface(T(1));
     T d = all.density(m);
@@ -81,12 +84,13 @@ template <class T> struct RoughDielectric {
     T inverse2 = T(1) / m_length2;
     T jacobian = eta2 * abs(mi) * inverse2;
     T dg = d * g / o.z;
-    T value = select(reflected, T(0.25) * f * dg,
-                     (T(1) - f) * dg * to_radiance * jacobian * mo * inverse2);
+    T value = select(reflected, T(0.25) * f.reflectance * dg,
+                     f.transmittance * dg * to_radiance * jacobian * mo * inverse2);
 
     T normal =
         sample_visible ? d * mo / all.projected_area(o) : surface(widening(o.z)).density(m) * m.z;
-    T pdf = normal * select(reflected, f / (T(4) * mo), (T(1) - f) * jacobian * inverse2);
+    T pdf = normal *
+            select(reflected, f.reflectance / (T(4) * mo), f.transmittance * jacobian * inverse2);
 
     auto ok = (o.z > T(0)) & (mo > T(0)) & (reflected | ((i.z < T(0)) & (mi < T(0))));
     Eval<T> e;

@@ -37,15 +37,17 @@ template <class T> struct ThinDielectric {
 
   FACETA_INLINE Sample<T> sample(const Vec3<T>& wo, const Random<T>& random,
                                  const Context<T>&) const {
-    T one = fresnel_dielectric(abs(wo.z), int_ior / ext_ior).reflectance;
-    T r = T(2) * one / (T(1) + one); // all orders of reflection between the two interfaces
+    DielectricFresnel<T> one = fresnel_dielectric(abs(wo.z), int_ior / ext_ior);
+    // All orders of reflection between the two interfaces.
+    T inverse = T(1) / (T(1) + one.reflectance);
+    T r = T(2) * one.reflectance * inverse;
     auto reflected = random.uc < r;
     Sample<T> s;
     s.wi = select(reflected, reflect(wo), -wo);
     s.valid = wo.z != T(0);
     s.delta = true;
     s.lobe = select(reflected, IntOf<T>(kReflection), IntOf<T>(kNullLobe));
-    s.pdf = select(s.valid, select(reflected, r, T(1) - r), T(0));
+    s.pdf = select(s.valid, select(reflected, r, one.transmittance * inverse), T(0));
     s.weight = select(reflected, specular_reflectance, specular_transmittance);
     s.weight = select(s.valid, s.weight, Color<T>(T(0)));
     return s;
