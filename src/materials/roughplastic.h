@@ -57,10 +57,8 @@ template <class T> struct RoughPlastic {
             {{"diffuse_reflectance", "0.9,0.4,0.1"}, {"nonlinear", "true"}, {"alpha", "0.05"}})
         .exemplar("all normals", {{"sample_visible", "false"}, {"alpha", "0.2"}})
         .exemplar("polished", {{"alpha", "0.001"}})
-        .exemplar("roughest white", {{"alpha", "1"},
-                                     {"distribution", "ggx"},
-                                     {"diffuse_reflectance", "1"},
-                                     {"int_ior", "1.9"}})
+        .exemplar("roughest white",
+                  {{"alpha", "1"}, {"diffuse_reflectance", "1"}, {"int_ior", "1.9"}})
         .exemplar("black", {{"diffuse_reflectance", "0"}, {"alpha", "0.5"}});
   }
 
@@ -84,12 +82,13 @@ template <class T> struct RoughPlastic {
     T f = fresnel_dielectric(coat.cos_h, eta_).reflectance;
     T to = transmittance.interpolate(wo.z, kNodes), ti = transmittance.interpolate(wi.z, kNodes);
     T cosine = select(above, wi.z * T(kInvPi), T(0));
+    Choice lobe = choice(T(1) - to, to);
     return {specular_reflectance * (f * coat.value) + base_ * (to * ti * cosine),
-            lerp(cosine, coat.pdf, specular_probability(to))};
+            fma(lobe.specular, coat.pdf, lobe.diffuse * cosine)};
   }
 
   Sample<T> sample(const Vec3<T>& wo, const Random<T>& random, const Context<T>& context) const {
-    T p = specular_probability(transmittance.interpolate(wo.z, kNodes));
+    T to = transmittance.interpolate(wo.z, kNodes), p = choice(T(1) - to, to).specular;
     Sample<T> s;
     s.wi = select(random.uc < p, surface().sample_reflection(wo, random.u),
                   cosine_hemisphere(random.u));
@@ -107,10 +106,15 @@ private:
     return Microfacet<T>({.distribution = distribution, .sample_visible = sample_visible}, alpha,
                          alpha);
   }
-  T specular_probability(const T& t) const {
-    T s = (T(1) - t) * specular_share, d = t * (T(1) - specular_share);
-    auto some = s + d > T(0);
-    return select(some, s / select(some, s + d, T(1)), T(1));
+  struct Choice {
+    T specular, diffuse;
+  };
+  /// Probabilities of the lobes, each from its own share: 1 - p would lose the small one's digits.
+  Choice choice(const T& reflected, const T& passed) const {
+    T s = reflected * specular_share, d = passed * (T(1) - specular_share);
+    auto none = !(s + d > T(0));
+    T inverse = T(1) / select(none, T(1), s + d);
+    return {select(none, T(1), s * inverse), select(none, T(0), d * inverse)};
   }
 };
 
