@@ -38,9 +38,10 @@ public:
     // Beckmann's visible slopes along and across the view are independent.
     std::vector<double> along(nodes), across((nodes + 1) / 2);
     for (int i = 0; i < nodes; ++i)
-      along[i] = surface_.sample_visible(w, {rule_.nodes[i], 0.5}).x;
+      along[i] =
+          surface_.alpha_u * beckmann_visible_slope(w.z / (surface_.alpha_u * w.x), rule_.nodes[i]);
     for (size_t j = 0; j < across.size(); ++j)
-      across[j] = surface_.sample_visible(w, {0.5, rule_.nodes[j]}).y;
+      across[j] = surface_.alpha_u * erfinv(2 * rule_.nodes[j] - 1);
     for (int k = 0; k < count; ++k)
       sum += weights_[k] * f(normalize(Vec3<double>{along[k % nodes], across[k / nodes], 1}));
     return sum;
