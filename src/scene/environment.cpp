@@ -16,8 +16,8 @@ namespace {
 
 // Kernels count words of cells in 32 bits.
 constexpr int64_t kMaxCells = int64_t(1) << 26;
-// 16 bytes each: the table stays in the second-level cache.
-constexpr int kMaxLeaves = 1 << 15;
+// 32 bytes each: the table stays in the second-level cache.
+constexpr int kMaxLeaves = 1 << 14;
 
 std::array<double, 3> texel(const Image& image, int x, int y) {
   const float* p = &image.data[image.offset(x % image.width, y)];
@@ -111,10 +111,17 @@ void EnvironmentTables::add_leaves(const std::vector<double>& weights, double to
     leaf_weights.push_back(r.weight);
   AliasTable table = make_alias_table(leaf_weights);
   double cells = double(view_.columns) * view_.rows;
-  for (size_t i = 0; i < rectangles.size(); ++i) {
+  auto origin = [&](int32_t i) {
+    return uint32_t(rectangles[i].x) | uint32_t(rectangles[i].y) << 16;
+  };
+  auto size = [&](int32_t i) {
+    return uint32_t(rectangles[i].width) | uint32_t(rectangles[i].height) << 16;
+  };
+  for (int32_t i = 0; i < static_cast<int32_t>(rectangles.size()); ++i) {
     const EnvironmentRectangle& r = rectangles[i];
-    leaves_.push_back({table.threshold[i], table.alias[i], uint32_t(r.x) | uint32_t(r.y) << 16,
-                       uint32_t(r.width) | uint32_t(r.height) << 16});
+    int32_t other = table.alias[i];
+    leaves_.push_back(
+        {table.threshold[i], {origin(i), origin(other)}, {size(i), size(other)}, other, {}});
     double density = r.weight / total * cells / (double(r.width) * r.height);
     for (int y = r.y; y < r.y + r.height; ++y)
       for (int x = r.x; x < r.x + r.width; ++x)

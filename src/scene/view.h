@@ -147,12 +147,14 @@ struct alignas(64) LightNode {
 static_assert(sizeof(LightNode) == 64);
 
 /// A rectangle of cells within which the environment differs little, chosen by an alias table: keep
-/// it if a second number is below the threshold, else take its alias.
-struct alignas(16) EnvironmentLeaf {
+/// it if a second number is below the threshold, else take the other one. Both stand in the record,
+/// so that a choice costs one access.
+struct alignas(32) EnvironmentLeaf {
   float threshold;
+  uint32_t origin[2]; ///< own, alias: x | y << 16, in cells
+  uint32_t size[2];   ///< width | height << 16
   int32_t alias;
-  uint32_t origin; ///< x | y << 16, in cells
-  uint32_t size;   ///< width | height << 16
+  int32_t reserved[2];
 };
 
 /// One cell of the environment with its four corner texels.

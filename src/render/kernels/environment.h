@@ -72,10 +72,10 @@ choose_environment_place(const EnvironmentView& e, const Vec2<T>& choice, const 
   using I = IntOf<T>;
   const float* words = reinterpret_cast<const float*>(e.leaves);
   const int32_t* integers = reinterpret_cast<const int32_t*>(e.leaves);
-  I leaf = min(to_int(choice.x * T(float(e.leaf_count))), I(e.leaf_count - 1));
-  auto keep = choice.y < gather<T>(words, leaf << 2);
-  leaf = select(keep, leaf, gather_int<T>(integers + 1, leaf << 2));
-  I origin = gather_int<T>(integers + 2, leaf << 2), size = gather_int<T>(integers + 3, leaf << 2);
+  I leaf = min(to_int(choice.x * T(float(e.leaf_count))), I(e.leaf_count - 1)) << 3;
+  auto keep = choice.y < gather<T>(words, leaf);
+  leaf = leaf + select(keep, I(1), I(2));
+  I origin = gather_int<T>(integers, leaf), size = gather_int<T>(integers + 2, leaf);
   auto low = [](const I& word) { return to_float(word & I(0xffff)); };
   auto high = [](const I& word) { return to_float((word >> 16) & I(0xffff)); };
   return {fma(low(size), place.x, low(origin)), fma(high(size), place.y, high(origin))};

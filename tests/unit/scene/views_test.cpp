@@ -114,8 +114,8 @@ TEST(Environment, CellsAreChosenByTheirLight) {
   std::vector<double> chosen = probabilities(threshold.data(), alias.data(), e.leaf_count);
   int covered = 0;
   for (int i = 0; i < e.leaf_count; ++i) {
-    int x0 = e.leaves[i].origin & 0xffff, y0 = e.leaves[i].origin >> 16;
-    int width = e.leaves[i].size & 0xffff, height = e.leaves[i].size >> 16;
+    int x0 = e.leaves[i].origin[0] & 0xffff, y0 = e.leaves[i].origin[0] >> 16;
+    int width = e.leaves[i].size[0] & 0xffff, height = e.leaves[i].size[0] >> 16;
     double share = 0;
     for (int y = y0; y < y0 + height; ++y)
       for (int x = x0; x < x0 + width; ++x, ++covered) {
