@@ -13,10 +13,10 @@ int run_materials(const MaterialsOptions& options) {
            : options.markdown ? list_materials_markdown(registry)
                               : list_materials(registry);
   else {
-    const Model& model = registry.get(options.name);
-    text = options.json       ? describe_material_json(model)
-           : options.markdown ? describe_material_markdown(model)
-                              : describe_material(model);
+    const Descriptor& d = material_descriptor(registry, options.name);
+    text = options.json       ? describe_material_json(d)
+           : options.markdown ? describe_material_markdown(d)
+                              : describe_material(d);
   }
   std::fputs(text.c_str(), stdout);
   return kOk;

@@ -1,11 +1,15 @@
 #include "cli/commands.h"
 #include "cli/scene_material.h"
 #include "formats/direction_table.h"
+#include "formats/material_docs.h"
 
 namespace faceta::cli {
 
 int run_table(const TableOptions& options) {
   Isa isa = options.isa.value_or(best_isa());
+  if (find_scene_node(options.material))
+    throw Error("'" + options.material + "' puts materials of a scene file together", {},
+                "give the file and the id: --scene FILE --id ID");
   ColumnMaterial material =
       options.material.empty()
           ? load_scene_material(options.scene, options.id, options.defines, isa, options.mode)

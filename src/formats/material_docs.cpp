@@ -46,6 +46,11 @@ const ParamInfo* instead_of(const Descriptor& d, const ParamInfo& p) {
   return nullptr;
 }
 
+/// Without any default.
+bool is_required(const ParamInfo& p) {
+  return p.defaults.empty() && p.default_name.empty();
+}
+
 std::string numbers(const std::vector<double>& values, const char* between) {
   std::vector<std::string> texts;
   for (double v : values)
@@ -56,6 +61,8 @@ std::string numbers(const std::vector<double>& values, const char* between) {
 }
 
 std::string default_text(const Descriptor& d, const ParamInfo& p) {
+  if (is_required(p))
+    return "required";
   if (p.choice >= 0)
     return p.choices[static_cast<size_t>(p.defaults[0])];
   if (!p.default_name.empty() && !p.defaults.empty())
@@ -217,6 +224,16 @@ std::vector<std::string> exceptions(const Descriptor& d) {
   return lines;
 }
 
+/// The models, and behind them the nodes.
+std::vector<const Descriptor*> descriptors(const Registry& registry) {
+  std::vector<const Descriptor*> all;
+  for (const auto& model : registry.models())
+    all.push_back(&model->descriptor);
+  for (const SceneNode& node : scene_nodes())
+    all.push_back(&node.descriptor);
+  return all;
+}
+
 Json parameter_json(const Descriptor& d, const ParamInfo& p) {
   const auto bound = [](double value) { return std::isinf(value) ? Json() : Json(value); };
   Json j = {{"name", p.name}, {"kind", kind_text(p)}, {"meaning", p.doc}, {"unit", p.unit}};
@@ -235,9 +252,9 @@ Json parameter_json(const Descriptor& d, const ParamInfo& p) {
   return j;
 }
 
-Json material_json(const Model& model) {
-  const Descriptor& d = model.descriptor;
+Json material_json(const Descriptor& d) {
   Json j = {{"name", d.name}, {"title", d.title}, {"equation", d.equation}};
+  j["role"] = find_scene_node(d.name) ? "node" : "model";
   j["parameters"] = Json::array();
   for (const ParamInfo& p : d.params)
     j["parameters"].push_back(parameter_json(d, p));
@@ -257,17 +274,16 @@ Json material_json(const Model& model) {
                  {"reciprocal", d.traits.reciprocal},
                  {"albedo_bound", d.traits.albedo_bound},
                  {"two_sided", d.traits.two_sided}};
-  j["xml"] = material_xml_snippet(model);
+  j["xml"] = material_xml_snippet(d);
   return j;
 }
 
 } // namespace
 
-std::string material_xml_snippet(const Model& model) {
-  const Descriptor& d = model.descriptor;
+std::string material_xml_snippet(const Descriptor& d) {
   std::string body;
   for (const ParamInfo& p : d.params) {
-    if (instead_of(d, p))
+    if (instead_of(d, p) || is_required(p))
       continue;
     body += "  " + xml_element(p) + "\n";
     std::vector<std::string> others;
@@ -277,42 +293,44 @@ std::string material_xml_snippet(const Model& model) {
     if (!others.empty())
       body += fmt::format("  <!-- instead of {}: {} -->\n", p.name, join(others, " and "));
   }
+  for (const SceneNode& node : scene_nodes())
+    if (node.descriptor.name == d.name)
+      body += node.nested;
   if (body.empty())
     return fmt::format("<bsdf type=\"{}\"/>\n", d.name);
   return fmt::format("<bsdf type=\"{}\">\n{}</bsdf>\n", d.name, body);
 }
 
 std::string list_materials(const Registry& registry) {
+  std::vector<const Descriptor*> all = descriptors(registry);
   size_t width = 0;
-  for (const auto& model : registry.models())
-    width = std::max(width, model->name().size());
+  for (const Descriptor* d : all)
+    width = std::max(width, d->name.size());
   std::string text;
-  for (const auto& model : registry.models())
-    text += fmt::format("{:<{}}  {}\n", model->name(), width, model->descriptor.title);
+  for (const Descriptor* d : all)
+    text += fmt::format("{:<{}}  {}\n", d->name, width, d->title);
   return text;
 }
 
 std::string list_materials_markdown(const Registry& registry) {
   std::string text = "| name | what it is | parameters |\n|---|---|---|\n";
-  for (const auto& model : registry.models()) {
+  for (const Descriptor* d : descriptors(registry)) {
     std::vector<std::string> names;
-    for (const std::string& name : model->descriptor.param_names())
+    for (const std::string& name : d->param_names())
       names.push_back("`" + name + "`");
-    text += fmt::format("| `{}` | {} | {} |\n", model->name(), cell(model->descriptor.title),
-                        join(names, " "));
+    text += fmt::format("| `{}` | {} | {} |\n", d->name, cell(d->title), join(names, " "));
   }
   return text;
 }
 
 std::string list_materials_json(const Registry& registry) {
   Json all = Json::array();
-  for (const auto& model : registry.models())
-    all.push_back(material_json(*model));
+  for (const Descriptor* d : descriptors(registry))
+    all.push_back(material_json(*d));
   return all.dump(2) + "\n";
 }
 
-std::string describe_material(const Model& model) {
-  const Descriptor& d = model.descriptor;
+std::string describe_material(const Descriptor& d) {
   std::string text = fmt::format("{}: {}\n\n  {}\n", d.name, d.title, indented(d.equation));
   if (!d.params.empty())
     text += "\nParameters\n" + aligned(parameter_rows(d));
@@ -324,13 +342,13 @@ std::string describe_material(const Model& model) {
     sets.push_back({e.name, settings_text(e.settings)});
   if (!sets.empty())
     text += "\nExamples\n" + aligned(sets);
-  text += fmt::format("\nLobes\n  {}{}\n", lobes_text(d.traits),
-                      d.traits.reciprocal ? ", reciprocal" : ", not reciprocal");
-  return text + "\nIn a scene file\n" + material_xml_snippet(model);
+  if (d.traits.lobes)
+    text += fmt::format("\nLobes\n  {}{}\n", lobes_text(d.traits),
+                        d.traits.reciprocal ? ", reciprocal" : ", not reciprocal");
+  return text + "\nIn a scene file\n" + material_xml_snippet(d);
 }
 
-std::string describe_material_markdown(const Model& model) {
-  const Descriptor& d = model.descriptor;
+std::string describe_material_markdown(const Descriptor& d) {
   std::string text = fmt::format("## `{}`: {}\n\n```text\n{}\n```\n", d.name, d.title, d.equation);
   if (!d.params.empty()) {
     bool head = true;
@@ -351,11 +369,11 @@ std::string describe_material_markdown(const Model& model) {
   for (const Exemplar& e : d.exemplars)
     sets.push_back(e.name + ": `" + settings_text(e.settings) + "`");
   text += list_section("Examples:\n", sets, "- ");
-  return text + "\n```xml\n" + material_xml_snippet(model) + "```\n";
+  return text + "\n```xml\n" + material_xml_snippet(d) + "```\n";
 }
 
-std::string describe_material_json(const Model& model) {
-  return material_json(model).dump(2) + "\n";
+std::string describe_material_json(const Descriptor& d) {
+  return material_json(d).dump(2) + "\n";
 }
 
 } // namespace faceta

@@ -4,27 +4,42 @@
 
 namespace faceta {
 
-/// What a descriptor says of a model, for readers and for programs. Everything here is generated:
-/// a new model needs nothing.
+/// What descriptors say of the models, for readers and for programs. Everything here is generated:
+/// a new model needs nothing. Behind the models stand the scene's nodes.
 
-/// "name  title" of every model, a line each.
+/// A bsdf that exists in scene files only: it has no directions of its own to evaluate, but puts
+/// other bsdfs together, or lets light pass.
+struct SceneNode {
+  Descriptor descriptor; ///< without exemplars; traits.lobes is 0 where the nested bsdfs decide
+  std::string nested;    ///< of its XML snippet: what has no default, and the bsdfs, a line each
+};
+
+/// twosided, mask, blendbsdf, null.
+const std::vector<SceneNode>& scene_nodes();
+/// The descriptor of a node, or null.
+const Descriptor* find_scene_node(const std::string& name);
+/// The descriptor of a model or node. Error, with a suggestion, if there is none.
+const Descriptor& material_descriptor(const Registry& registry, const std::string& name);
+
+/// "name  title" of every model and node, a line each.
 std::string list_materials(const Registry& registry);
 /// The same as a Markdown table with the parameters.
 std::string list_materials_markdown(const Registry& registry);
-/// An array of describe_material_json() of every model.
+/// An array of describe_material_json() of every model and node.
 std::string list_materials_json(const Registry& registry);
 
 /// Equation, parameters with unit, default and range, references, known exceptions, parameter sets
 /// and an XML snippet, for a terminal.
-std::string describe_material(const Model& model);
+std::string describe_material(const Descriptor& d);
 /// The same as a Markdown section.
-std::string describe_material_markdown(const Model& model);
-/// The same as a JSON object: name, title, equation, parameters, references, notes, exceptions,
-/// exemplars, traits, xml.
-std::string describe_material_json(const Model& model);
+std::string describe_material_markdown(const Descriptor& d);
+/// The same as a JSON object: name, title, equation, role (model | node), parameters, references,
+/// notes, exceptions, exemplars, traits, xml.
+std::string describe_material_json(const Descriptor& d);
 
-/// The model as a scene file writes it, with every parameter at its default. Where parameters
-/// exclude each other, the first way to give them stands there and the others in a comment.
-std::string material_xml_snippet(const Model& model);
+/// The model or node as a scene file writes it, with every parameter at its default. Where
+/// parameters exclude each other, the first way to give them stands there and the others in a
+/// comment.
+std::string material_xml_snippet(const Descriptor& d);
 
 } // namespace faceta

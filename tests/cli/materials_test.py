@@ -1,9 +1,10 @@
 """The list of materials and the description of each, in its three forms."""
 
 import json
+import math
 import xml.etree.ElementTree as ElementTree
 
-from program import Case, main, materials
+from program import INPUT_ERROR, Case, main, materials, read_table
 
 TAGS = {"colour": "rgb", "number": "float", "word": "string", "flag": "boolean", "metal": "string"}
 
@@ -12,12 +13,12 @@ class Materials(Case):
     def test_list_has_a_name_and_a_title_a_line(self):
         lines = self.succeed("materials").splitlines()
         self.assertEqual(
-            [line.split(None, 1) for line in lines], [[m["name"], m["title"]] for m in materials()]
+            [line.split(None, 1) for line in lines], [[m["name"], m["title"]] for m in materials(None)]
         )
         self.assertIn("diffuse", [m["name"] for m in materials()])
 
     def test_description_tells_everything(self):
-        for m in materials():
+        for m in materials(None):
             with self.subTest(m["name"]):
                 text = self.succeed("materials", m["name"])
                 self.assertTrue(text.startswith(f"{m['name']}: {m['title']}\n"))
@@ -30,14 +31,14 @@ class Materials(Case):
                 self.assertIn(m["xml"], text)
 
     def test_json_of_one_is_its_entry_in_all(self):
-        for m in materials():
+        for m in materials(None):
             self.assertEqual(json.loads(self.succeed("materials", m["name"], "--json")), m)
 
     def test_markdown(self):
         rows = self.succeed("materials", "--markdown").splitlines()
-        self.assertEqual(len(rows), 2 + len(materials()))
+        self.assertEqual(len(rows), 2 + len(materials(None)))
         self.assertEqual({row.count("|") - row.count("\\|") for row in rows}, {4})
-        for row, m in zip(rows[2:], materials()):
+        for row, m in zip(rows[2:], materials(None)):
             self.assertTrue(row.startswith(f"| `{m['name']}` |"))
             text = self.succeed("materials", m["name"], "--markdown")
             self.assertIn("```xml\n" + m["xml"] + "```\n", text)
@@ -47,11 +48,11 @@ class Materials(Case):
                 self.assertEqual({r.count("|") - r.count("\\|") for r in table}, {8})
 
     def test_snippet_gives_every_parameter_one_way(self):
-        for m in materials():
+        for m in materials(None):
             with self.subTest(m["name"]):
                 bsdf = ElementTree.fromstring(m["xml"])
                 self.assertEqual((bsdf.tag, bsdf.get("type")), ("bsdf", m["name"]))
-                given = {e.get("name"): e for e in bsdf}
+                given = {e.get("name"): e for e in bsdf if e.tag != "bsdf"}
                 wanted = {p["name"]: p for p in m["parameters"] if "instead_of" not in p}
                 self.assertEqual(list(given), list(wanted))
                 for name, p in wanted.items():
@@ -71,6 +72,34 @@ class Materials(Case):
                     self.succeed("eval", m["name"], *settings, stdin=row),
                     self.succeed("eval", m["name"], stdin=row),
                 )
+
+    def test_nodes_of_scene_files(self):
+        self.assertEqual(
+            [m["name"] for m in materials("node")], ["twosided", "mask", "blendbsdf", "null"]
+        )
+        for m in materials("node"):
+            self.fail_with(INPUT_ERROR, "--scene FILE --id ID", "eval", m["name"])
+        self.fail_with(INPUT_ERROR, "did you mean 'twosided'", "materials", "two-sided")
+
+    def test_snippets_of_nodes_are_read_and_do_what_they_say(self):
+        # Lambert's 0.5 / pi cos theta, seen from above and from below.
+        lambert = 0.5 / math.pi * 0.8
+        expected = {
+            "twosided": [lambert, lambert],
+            "mask": [0.5 * lambert, 0],
+            "blendbsdf": [0.5 * lambert, 0],
+            "null": [0, 0],
+        }
+        rows = "wo_x,wo_y,wo_z,wi_x,wi_y,wi_z\n0,0,1,0.6,0,0.8\n0,0,-1,0.6,0,-0.8\n"
+        for m in materials("node"):
+            with self.subTest(m["name"]):
+                xml = m["xml"].replace("<bsdf ", '<bsdf id="it" ', 1)
+                scene = self.path("scene.xml", f'<scene version="3.0.0">{xml}</scene>')
+                table = read_table(
+                    self.succeed("eval", "--scene", scene, "--id", "it", stdin=rows)
+                )
+                for row, value in zip(table, expected[m["name"]], strict=True):
+                    self.assertAlmostEqual(float(row["value_g"]), value, places=6)
 
 
 if __name__ == "__main__":

@@ -38,8 +38,10 @@ def write_pfm(path, width, height, pixel):
     Path(path).write_bytes(f"PF\n{width} {height}\n-1.0\n".encode() + data)
 
 
-def materials():
-    return json.loads(run("materials", "--json").stdout)
+def materials(role="model"):
+    """The descriptions of all models, of the nodes of scene files, or (role=None) of both."""
+    everything = json.loads(run("materials", "--json").stdout)
+    return [m for m in everything if role in (None, m["role"])]
 
 
 def has_material(name):
