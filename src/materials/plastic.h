@@ -64,15 +64,15 @@ template <class T> struct Plastic {
 
   Eval<T> eval(const Vec3<T>& wo, const Vec3<T>& wi, const Context<T>&) const {
     auto above = (wo.z > T(0)) & (wi.z > T(0));
-    T fo = fresnel_dielectric(wo.z, eta_).reflectance;
-    T fi = fresnel_dielectric(wi.z, eta_).reflectance;
+    DielectricFresnel<T> fo = fresnel_dielectric(wo.z, eta_);
+    T to = fo.transmittance, ti = fresnel_dielectric(wi.z, eta_).transmittance;
     T cosine = select(above, wi.z * T(kInvPi), T(0));
-    return {base_ * ((T(1) - fo) * (T(1) - fi) * cosine),
-            cosine * (T(1) - specular_probability(fo))};
+    return {base_ * (to * ti * cosine), cosine * choice(fo.reflectance, to).diffuse};
   }
 
   Sample<T> sample(const Vec3<T>& wo, const Random<T>& random, const Context<T>& context) const {
-    T f = fresnel_dielectric(wo.z, eta_).reflectance, p = specular_probability(f);
+    DielectricFresnel<T> fresnel = fresnel_dielectric(wo.z, eta_);
+    T f = fresnel.reflectance, p = choice(f, fresnel.transmittance).specular;
     auto mirror = random.uc < p;
     Sample<T> s;
     s.wi = select(mirror, reflect(wo), cosine_hemisphere(random.u));
@@ -92,10 +92,15 @@ private:
   Color<T> base_; ///< diffuse albedo over eta^2, internal reflections included
   T eta_{};
 
-  T specular_probability(const T& f) const {
-    T s = f * specular_share, d = (T(1) - f) * (T(1) - specular_share);
-    auto some = s + d > T(0);
-    return select(some, s / select(some, s + d, T(1)), T(1));
+  struct Choice {
+    T specular, diffuse;
+  };
+  /// Probabilities of the lobes, each from its own share: 1 - p would lose the small one's digits.
+  Choice choice(const T& reflected, const T& passed) const {
+    T s = reflected * specular_share, d = passed * (T(1) - specular_share);
+    auto none = !(s + d > T(0));
+    T inverse = T(1) / select(none, T(1), s + d);
+    return {select(none, T(1), s * inverse), select(none, T(0), d * inverse)};
   }
 };
 
