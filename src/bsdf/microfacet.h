@@ -113,9 +113,10 @@ template <class T> struct Microfacet {
     return fma(m, scale, -wo);
   }
 
-  /// Value and density of the reflection from wo to wi; all 0 unless both lie above the surface.
+  /// Value and density of the reflection from wo to wi; all 0 unless both lie above the surface (by
+  /// a cosine whose square is still a float).
   FACETA_INLINE MicrofacetReflection<T> reflection(const Vec3<T>& wo, const Vec3<T>& wi) const {
-    auto above = (wo.z > T(0)) & (wi.z > T(0));
+    auto above = (wo.z > T(1e-18)) & (wi.z > T(1e-18));
     Vec3<T> m = wo + wi;
     T d = density(m), length2 = dot(m, m);
     T ro = roughness_towards(wo);
