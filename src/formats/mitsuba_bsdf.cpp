@@ -72,6 +72,16 @@ bool lists(const std::string& names, const std::string& name) {
   return ("," + names + ",").find("," + name + ",") != std::string::npos;
 }
 
+/// The default name ("none") beside eta and k says nothing; it must not overwrite them.
+void read_metal(const xml::Node& node, const ParamInfo& parameter, Parameters& values) {
+  std::string metal = node.get_string(parameter.name);
+  bool idle = false;
+  for (const xml::Property& property : node.properties)
+    idle = idle || (metal == parameter.default_name && lists(parameter.excludes, property.name));
+  if (!idle)
+    values.set(parameter.name, metal, position(node, parameter.name));
+}
+
 /// eta without k (or k without eta): the other keeps its default, as in the contract, where
 /// Parameters::check() wants both.
 void complete_metal(Parameters& values, const SourcePosition& where) {
@@ -173,7 +183,7 @@ void Reader::read_parameter(const xml::Node& node, const ParamInfo& parameter,
     read_word(node, parameter, values);
     break;
   case ParamKind::metal:
-    values.set(parameter.name, node.get_string(parameter.name), position(node, parameter.name));
+    read_metal(node, parameter, values);
     break;
   }
 }

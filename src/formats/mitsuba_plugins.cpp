@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace faceta::mitsuba {
 
@@ -56,8 +57,9 @@ Error unsupported_plugin(const xml::Node& node, const std::vector<std::string>& 
   for (const Plugins& plugins : contract_plugins())
     if (tag == plugins.tag) {
       if (std::find(plugins.names.begin(), plugins.names.end(), node.type) != plugins.names.end())
-        return node.error(fmt::format("{} '{}' is not supported yet", node.tag, node.type),
-                          supported.empty() ? "" : suggestion("", supported));
+        return node.error(
+            fmt::format("{} '{}' is not supported yet", node.tag, node.type),
+            supported.empty() ? "" : fmt::format("supported: {}", fmt::join(supported, ", ")));
       for (const std::string& name : plugins.names)
         if (std::find(known.begin(), known.end(), name) == known.end())
           known.push_back(name);

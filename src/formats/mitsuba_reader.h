@@ -3,7 +3,7 @@
 #include "formats/mitsuba_scene.h"
 #include "spectrum/spectrum_curve.h"
 
-#include <initializer_list>
+#include <functional>
 #include <map>
 #include <unordered_map>
 #include <unordered_set>
@@ -122,7 +122,7 @@ struct Reader::PendingShape {
 /// has it, else "unknown", with a suggestion.
 Error unsupported_plugin(const xml::Node& node, const std::vector<std::string>& supported);
 
-/// "'a', 'b' and 'c' of <node>" style words for a value that must be finite and positive.
+/// A float property that must be finite and positive (not negative).
 double positive(const xml::Node& node, std::string_view name, double fallback);
 double non_negative(const xml::Node& node, std::string_view name, double fallback);
 

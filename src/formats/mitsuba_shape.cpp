@@ -3,6 +3,7 @@
 #include "formats/mitsuba_reader.h"
 #include "scene/affine.h"
 
+#include <algorithm>
 #include <exception>
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -24,12 +25,6 @@ ToWorld read_to_world(const xml::Node& node) {
   ToWorld m = node.get_transform("to_world", xml::kIdentity);
   located(node.error_at("to_world", "").where(), [&] { check_affine(m); });
   return m;
-}
-
-/// A rectangle's edges stay at right angles, up to rounding.
-bool stays_rectangle(const ToWorld& m) {
-  Double3 u = double3::column(m, 0), v = double3::column(m, 1);
-  return std::abs(double3::dot(u, v)) <= 1e-6 * double3::length(u) * double3::length(v);
 }
 
 /// The material of a shape that names none: black if it emits.
@@ -118,7 +113,7 @@ void Reader::read_shape(const xml::NodePtr& pointer) {
   } else if (type == "rectangle" || type == "cube") {
     bool face_normals = node.get_boolean("face_normals", false);
     bool rectangle = type == "rectangle";
-    shape.rectangle = rectangle && stays_rectangle(to_world);
+    shape.rectangle = rectangle;
     shape.load = [=] {
       Mesh mesh = rectangle ? make_rectangle() : make_cube();
       mesh.face_normals = face_normals;
@@ -130,6 +125,8 @@ void Reader::read_shape(const xml::NodePtr& pointer) {
   } else {
     known = read_quadric(node, to_world, flip, shape);
   }
+  if (shape.desc.name.empty())
+    shape.desc.name = type;
   read_shape_children(node, shape.desc);
   finish(node, known);
   shapes_.push_back(std::move(shape));
