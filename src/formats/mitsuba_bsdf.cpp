@@ -102,28 +102,6 @@ template <class T> void append(std::string& key, const T* values, size_t count) 
   key.append(reinterpret_cast<const char*>(values), count * sizeof(T));
 }
 
-/// Equal for materials that behave alike.
-void append_key(std::string& key, const MaterialNode& material) {
-  int kind = static_cast<int>(material.kind);
-  append(key, &kind, 1);
-  if (material.parameters) {
-    const std::string& name = material.parameters->model().name();
-    append(key, name.data(), name.size());
-    append(key, material.parameters->slots().data(), material.parameters->slots().size());
-    append(key, material.parameters->choices().data(), material.parameters->choices().size());
-  }
-  for (const auto& [name, texture] : material.textures) {
-    append(key, name.data(), name.size());
-    append(key, &texture, 1);
-  }
-  append(key, material.weight.value.data(), 3);
-  append(key, &material.weight.texture, 1);
-  size_t children = material.children.size();
-  append(key, &children, 1);
-  for (const MaterialPtr& child : material.children)
-    append_key(key, *child);
-}
-
 } // namespace
 
 MaterialPtr Reader::read_material(const xml::NodePtr& node) {
@@ -260,10 +238,37 @@ MaterialPtr Reader::read_blend(const xml::Node& node) {
   return material;
 }
 
-int Reader::material_index(const MaterialPtr& material, const SourcePosition& where) {
+int Reader::material_number(const MaterialNode& material) {
+  // A tree of shared nodes can have 2^depth paths: each node is looked at once.
+  auto [known, is_new] = material_numbers_.try_emplace(&material, -1);
+  if (!is_new)
+    return known->second;
   std::string key;
-  append_key(key, *material);
-  auto [found, is_new] = material_indices_.try_emplace(std::move(key), -1);
+  int kind = static_cast<int>(material.kind);
+  append(key, &kind, 1);
+  if (material.parameters) {
+    const std::string& name = material.parameters->model().name();
+    append(key, name.data(), name.size());
+    append(key, material.parameters->slots().data(), material.parameters->slots().size());
+    append(key, material.parameters->choices().data(), material.parameters->choices().size());
+  }
+  for (const auto& [name, texture] : material.textures) {
+    append(key, name.data(), name.size());
+    append(key, &texture, 1);
+  }
+  append(key, material.weight.value.data(), 3);
+  append(key, &material.weight.texture, 1);
+  for (const MaterialPtr& child : material.children) {
+    int number = material_number(*child);
+    append(key, &number, 1);
+  }
+  int next = static_cast<int>(material_keys_.size());
+  int number = material_keys_.try_emplace(std::move(key), next).first->second;
+  return material_numbers_[&material] = number;
+}
+
+int Reader::material_index(const MaterialPtr& material, const SourcePosition& where) {
+  auto [found, is_new] = material_indices_.try_emplace(material_number(*material), -1);
   if (is_new)
     found->second = located(where, [&] { return scene_->add_material(material); });
   return found->second;

@@ -44,6 +44,8 @@ private:
   std::shared_ptr<MaterialNode> read_mask(const xml::Node& node);
   std::shared_ptr<MaterialNode> read_blend(const xml::Node& node);
   std::vector<std::shared_ptr<MaterialNode>> read_nested_materials(const xml::Node& node);
+  /// The same number for materials that behave alike.
+  int material_number(const MaterialNode& material);
   /// The scene's index of a material; equal ones share it.
   int material_index(const std::shared_ptr<MaterialNode>& material, const SourcePosition& where);
 
@@ -69,6 +71,7 @@ private:
   /// Returns the names of the properties the shape may have.
   std::vector<std::string> read_quadric(const xml::Node& node, const ToWorld& to_world, bool flip,
                                         PendingShape& shape);
+  const xml::NodePtr& default_material(bool emits, const SourcePosition& where);
   void load_pending_shapes();
 
   // mitsuba_emitter.cpp
@@ -98,7 +101,10 @@ private:
   Scene* scene_;
   const ReadOptions& options_;
   std::unordered_map<const xml::Node*, std::shared_ptr<MaterialNode>> materials_;
-  std::map<std::string, int> material_indices_;                         ///< by what is in them
+  std::unordered_map<const MaterialNode*, int> material_numbers_;
+  std::map<std::string, int> material_keys_; ///< what is in a material, to its number
+  std::map<int, int> material_indices_;      ///< number to the scene's index
+  xml::NodePtr default_materials_[2];        ///< of shapes that do not emit, and that do
   std::map<std::pair<const xml::Node*, bool>, TexturedValue> textures_; ///< by node and scalar use
   std::map<std::string, int> texture_indices_;                          ///< by what is in them
   std::map<std::string, std::shared_ptr<const Bitmap>> bitmaps_;        ///< by canonical path

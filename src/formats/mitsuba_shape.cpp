@@ -27,17 +27,20 @@ ToWorld read_to_world(const xml::Node& node) {
   return m;
 }
 
+} // namespace
+
 /// The material of a shape that names none: black if it emits.
-xml::NodePtr default_material(bool emits, const SourcePosition& where) {
-  auto node = std::make_shared<xml::Node>();
-  node->tag = "bsdf";
-  node->type = "diffuse";
-  node->where = where;
-  node->set("reflectance", xml::Type::float_, emits ? 0.0 : 0.5);
+const xml::NodePtr& Reader::default_material(bool emits, const SourcePosition& where) {
+  xml::NodePtr& node = default_materials_[emits ? 1 : 0];
+  if (!node) {
+    node = std::make_shared<xml::Node>();
+    node->tag = "bsdf";
+    node->type = "diffuse";
+    node->where = where;
+    node->set("reflectance", xml::Type::float_, emits ? 0.0 : 0.5);
+  }
   return node;
 }
-
-} // namespace
 
 void Reader::read_shape_children(const xml::Node& node, ShapeDesc& shape) {
   xml::NodePtr bsdf, emitter;

@@ -120,6 +120,21 @@ TEST(MitsubaScene, EqualMaterialsAreOne) {
   EXPECT_EQ(scene->statistics().materials, 5u);
 }
 
+TEST(MitsubaScene, SharedNodesDoNotMultiply) {
+  // 2^60 leaves in 60 lines.
+  std::string text = "<bsdf type='diffuse' id='b0'/>";
+  for (int i = 1; i <= 60; ++i) {
+    std::string below = "<ref id='b" + std::to_string(i - 1) + "'/>";
+    text += "<bsdf type='blendbsdf' id='b" + std::to_string(i) +
+            "'><float name='weight' value='.5'/>" + below + below + "</bsdf>";
+  }
+  read_objects(text);
+  EXPECT_HAS(objects_error(text + "<shape type='sphere'><ref id='b20'/></shape>"),
+             "more than 64 leaves");
+  EXPECT_HAS(objects_error(text + "<shape type='sphere'><ref id='b60'/></shape>"), "s.xml:1:");
+  EXPECT_NE(write_material(*find_material(*read_objects(text), "b60")), "");
+}
+
 struct Scenes : testing::Test {
   std::filesystem::path data = FACETA_SHARED_DATA;
   void SetUp() override {

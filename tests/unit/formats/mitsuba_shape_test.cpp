@@ -207,6 +207,14 @@ TEST(MitsubaEmitter, ShapesWithoutBsdf) {
   };
   EXPECT_EQ(albedo(""), 0.5f);
   EXPECT_EQ(albedo("<emitter type='area'/>"), 0.0f);
+  std::string plain = "<shape type='sphere'/>";
+  std::string light = "<shape type='sphere'><emitter type='area'/></shape>";
+  auto scene = build(plain + light + plain + light + plain);
+  const SceneView& v = scene->view();
+  for (int i = 0; i < 5; ++i) {
+    const RootView& root = v.roots[v.quadrics[i].material];
+    EXPECT_EQ(v.programs[0].records[root.row * v.programs[0].stride], i % 2 ? 0.0f : 0.5f) << i;
+  }
 }
 
 TEST(MitsubaEmitter, Point) {
