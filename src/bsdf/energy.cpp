@@ -35,24 +35,26 @@ Quadrature gauss_legendre(int n) {
   return q;
 }
 
-/// The visible normals of wo at the nodes of the quadrature, by maps that are smooth in both
-/// numbers.
+/// What wo's visible normals reflect it to, at the nodes of the quadrature: maps that are smooth in
+/// both numbers, and periodic in the azimuth of GGX, whose nodes are equidistant for that reason.
 std::vector<Vec3<double>> directions(const Microfacet<double>& surface, const Vec3<double>& wo,
                                      const Quadrature& q) {
   std::vector<Vec3<double>> result;
   size_t n = q.x.size();
   if (surface.options.distribution == kGgx) {
     for (size_t k = 0; k < n * n; ++k)
-      result.push_back(surface.sample_reflection(wo, {q.x[k / n], q.x[k % n]}));
+      result.push_back(surface.sample_reflection(wo, {q.x[k / n], (k % n + 0.5) / double(n)}));
     return result;
   }
   double x = surface.alpha_u * wo.x, y = surface.alpha_v * wo.y, r = std::hypot(x, y);
   double c = r > 0 ? x / r : 1, s = r > 0 ? y / r : 0;
-  std::vector<double> along;
-  for (double u : q.x)
+  std::vector<double> along, across;
+  for (double u : q.x) {
     along.push_back(beckmann_visible_slope(wo.z / std::max(r, 1e-30), u));
+    across.push_back(erfinv(2 * u - 1));
+  }
   for (size_t k = 0; k < n * n; ++k) {
-    double a = along[k / n], b = erfinv(2 * q.x[k % n] - 1);
+    double a = along[k / n], b = across[k % n];
     Vec3<double> m{surface.alpha_u * (a * c - b * s), surface.alpha_v * (a * s + b * c), 1};
     result.push_back(reflect(wo, normalize(m)));
   }
@@ -62,48 +64,82 @@ std::vector<Vec3<double>> directions(const Microfacet<double>& surface, const Ve
 double albedo(const Microfacet<double>& surface, const Vec3<double>& wo, const Quadrature& q) {
   double sum = 0;
   size_t n = q.x.size();
+  bool periodic = surface.options.distribution == kGgx;
   std::vector<Vec3<double>> wi = directions(surface, wo, q);
   for (size_t k = 0; k < n * n; ++k) {
     MicrofacetReflection<double> r = surface.reflection(wo, wi[k]);
     if (r.pdf > 0)
-      sum += q.weight[k / n] * q.weight[k % n] * r.value / r.pdf;
+      sum += q.weight[k / n] * (periodic ? 1.0 / n : q.weight[k % n]) * r.value / r.pdf;
   }
   return sum;
 }
 
-/// cos theta of an inclination coordinate: the inverse of Layout::inclination.
-double cosine_of(double coordinate, double roughness) {
-  return coordinate * roughness / (1 + roughness - coordinate);
+/// cos theta of an inclination coordinate: the inverse of EnergyCoordinates, `along` being the
+/// roughness along the view.
+double cosine_of(double coordinate, double along) {
+  double x = coordinate * coordinate;
+  return x * along / (1 + along - x);
 }
+
+/// Direction of an azimuth coordinate and the roughness along it.
+struct Azimuth {
+  double x, y, along;
+  Azimuth(double coordinate, double roughness, double ratio) {
+    double x2 = coordinate / ratio, y2 = 1 - coordinate, sum = x2 + y2;
+    x = std::sqrt(x2 / sum);
+    y = std::sqrt(y2 / sum);
+    along = roughness * std::sqrt((x2 * ratio + y2 / ratio) / sum);
+  }
+};
 
 /// Cosine-weighted mean over the hemisphere of one slice as EnergyLookup interpolates it, so that
 /// what is added is exactly what the table says is lost.
-double mean_of_slice(const double* slice, double roughness) {
-  static const Quadrature q = gauss_legendre(4);
-  double azimuth_mean[Layout::kInclinations] = {};
-  // The azimuth's coordinate is cos^2 phi: integrate each linear piece over phi in closed form.
-  for (int k = 0; k + 1 < Layout::kAzimuths; ++k) {
-    double steps = Layout::kAzimuths - 1, c0 = k / steps, c1 = (k + 1) / steps;
-    double p0 = std::acos(std::sqrt(c0)), p1 = std::acos(std::sqrt(c1));
-    double length = (p0 - p1) / (kPi / 2);
-    double cos2 = 0.5 * length + 0.25 * (std::sin(2 * p0) - std::sin(2 * p1)) / (kPi / 2);
-    double far = (cos2 - c0 * length) * steps;
-    for (int i = 0; i < Layout::kInclinations; ++i)
-      azimuth_mean[i] += slice[k * Layout::kInclinations + i] * (length - far) +
-                         slice[(k + 1) * Layout::kInclinations + i] * far;
-  }
+double mean_of_slice(const double* slice, double roughness, double ratio) {
+  static const Quadrature inner = gauss_legendre(4);
+  const int steps = Layout::kInclinations - 1, azimuths = ratio == 1 ? 1 : 256;
   double sum = 0;
-  for (int i = 0; i + 1 < Layout::kInclinations; ++i) {
-    double steps = Layout::kInclinations - 1;
-    double m0 = cosine_of(i / steps, roughness), m1 = cosine_of((i + 1) / steps, roughness);
-    for (size_t a = 0; a < q.x.size(); ++a) {
-      double mu = m0 + (m1 - m0) * q.x[a];
-      double t = Layout::inclination(mu, roughness) * steps - i;
-      double value = azimuth_mean[i] + (azimuth_mean[i + 1] - azimuth_mean[i]) * t;
-      sum += 2 * mu * value * q.weight[a] * (m1 - m0);
+  for (int k = 0; k < azimuths; ++k) {
+    double phi = 0.5 * kPi * (k + 0.5) / azimuths, x = std::cos(phi), y = std::sin(phi);
+    double along = roughness * std::sqrt(x * x * ratio + y * y / ratio);
+    double position = x * x * ratio / (x * x * ratio + y * y) * (Layout::kAzimuths - 1);
+    int a = std::min(int(position), Layout::kAzimuths - 2);
+    auto value = [&](int i) {
+      const double* row = slice + a * Layout::kInclinations + i;
+      return row[0] + (row[Layout::kInclinations] - row[0]) * (position - a);
+    };
+    for (int i = 0; i < steps; ++i) {
+      double c0 = i / double(steps), c1 = (i + 1) / double(steps);
+      double m0 = cosine_of(c0, along), m1 = cosine_of(c1, along), v0 = value(i), v1 = value(i + 1);
+      for (size_t q = 0; q < inner.x.size(); ++q) {
+        double mu = m0 + (m1 - m0) * inner.x[q];
+        double t = std::sqrt(mu * (1 + along) / (mu + along)) * steps - i;
+        sum += 2 * mu * (v0 + (v1 - v0) * t) * inner.weight[q] * (m1 - m0) / azimuths;
+      }
     }
   }
   return sum;
+}
+
+/// 1 - albedo of one roughness over all azimuths and inclinations.
+std::vector<double> make_slice(const Microfacet<double>& surface, const Quadrature& q) {
+  double ratio = surface.alpha_u / surface.alpha_v;
+  double roughness = std::sqrt(surface.alpha_u * surface.alpha_v);
+  std::vector<double> slice;
+  for (int a = 0; a < Layout::kAzimuths; ++a) {
+    Azimuth azimuth(a / double(Layout::kAzimuths - 1), roughness, ratio);
+    for (int i = 0; i < Layout::kInclinations; ++i) {
+      if (a > 0 && ratio == 1) { // isotropic: all azimuths are alike
+        slice.push_back(slice[i]);
+        continue;
+      }
+      double mu = cosine_of(i / double(Layout::kInclinations - 1), azimuth.along);
+      mu = std::min(std::max(mu, 1e-6), 1.0);
+      double sine = std::sqrt(1 - mu * mu);
+      double e = albedo(surface, {sine * azimuth.x, sine * azimuth.y, mu}, q);
+      slice.push_back(std::min(std::max(1 - e, 0.0), 1.0));
+    }
+  }
+  return slice;
 }
 
 } // namespace
@@ -124,32 +160,20 @@ std::vector<double> make_energy_table(const MicrofacetOptions& given, double alp
   alpha_u = std::max(alpha_u, 1e-4);
   alpha_v = std::max(alpha_v, 1e-4);
   double own = std::sqrt(alpha_u * alpha_v), largest = std::max(1.0, 2 * own);
-  double stretch = std::sqrt(alpha_u / alpha_v);
-  static const Quadrature q = gauss_legendre(24);
-  std::vector<double> table{own, largest}, means;
+  double ratio = alpha_u / alpha_v;
+  static const Quadrature coarse = gauss_legendre(16);
+  const Quadrature fine = gauss_legendre(ratio == 1 ? 64 : 48);
+  std::vector<double> table{own, largest, ratio, 1 / ratio}, means;
   for (int s = 0; s < Layout::kRoughnesses; ++s) {
     double roughness = s <= Layout::kBelow
                            ? own * s / Layout::kBelow
                            : own + (largest - own) * (s - Layout::kBelow) / Layout::kAbove;
-    roughness = std::max(roughness, 1e-4);
+    double stretch = std::sqrt(ratio);
+    roughness = std::max(roughness, 1e-4 * std::max(stretch, 1 / stretch));
     Microfacet<double> surface(options, roughness * stretch, roughness / stretch);
-    std::vector<double> slice;
-    for (int a = 0; a < Layout::kAzimuths; ++a) {
-      if (a > 0 && alpha_u == alpha_v) { // isotropic: all azimuths are alike
-        for (int i = 0; i < Layout::kInclinations; ++i)
-          slice.push_back(slice[i]);
-        continue;
-      }
-      double cos2 = a / double(Layout::kAzimuths - 1);
-      for (int i = 0; i < Layout::kInclinations; ++i) {
-        double mu = cosine_of(i / double(Layout::kInclinations - 1), roughness);
-        mu = std::min(std::max(mu, 1e-6), 1.0);
-        double sine = std::sqrt(1 - mu * mu);
-        Vec3<double> wo{sine * std::sqrt(cos2), sine * std::sqrt(1 - cos2), mu};
-        slice.push_back(std::min(std::max(1 - albedo(surface, wo, q), 0.0), 1.0));
-      }
-    }
-    means.push_back(mean_of_slice(slice.data(), roughness));
+    // The other slices serve textures only.
+    std::vector<double> slice = make_slice(surface, s == Layout::kBelow ? fine : coarse);
+    means.push_back(mean_of_slice(slice.data(), roughness, ratio));
     table.insert(table.end(), slice.begin(), slice.end());
   }
   table.insert(table.end(), means.begin(), means.end());
