@@ -63,7 +63,11 @@ TriangleRecord make_triangle(const Mesh& mesh, uint32_t f, int shape) {
   r.inverse_cross = doubled_area > 1e-38 ? static_cast<float>(1 / doubled_area) : 0.0f;
   put(r.dpdu, safe_tangent(point.dp_du));
   r.light = -1;
-  r.shape = shape;
+  Double3 face = cross(rounded(r.e1), rounded(r.e2));
+  bool flat = doubled_area > 1e-38;
+  for (const auto* n : {&r.n0, &r.n1, &r.n2})
+    flat = flat && dot(rounded(*n), face) > (1 - 1e-7) * doubled_area;
+  r.shape = shape | (flat ? 0 : kSmoothTriangle);
   return r;
 }
 

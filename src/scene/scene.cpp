@@ -217,7 +217,7 @@ void Scene::Impl::place_environment() {
 void Scene::Impl::connect(Isa isa) {
   materials.build(isa);
   for (TriangleRecord& t : geometry.triangles)
-    t.material = materials.final_root(shapes[t.shape].material);
+    t.material = materials.final_root(shapes[t.shape & ~kSmoothTriangle].material);
   for (QuadricRecord& q : geometry.quadrics)
     q.material = materials.final_root(shapes[q.shape].material);
   view.embree = accelerator.scene();

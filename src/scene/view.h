@@ -12,13 +12,16 @@ struct RTCSceneTy;
 
 namespace faceta {
 
+/// Set in TriangleRecord::shape where the shading normal is not that of the face.
+inline constexpr int32_t kSmoothTriangle = 0x40000000;
+
 /// One triangle in world space: two rows of 16 words.
 struct alignas(64) TriangleRecord {
   float v0[3], e1[3], e2[3]; ///< first vertex and the edges to the others; normal = e1 x e2
   float dpdu[3];             ///< tangent along u, not normalised (0: none; any tangent will do)
   int32_t material;          ///< root material
   int32_t light;             ///< light record, -1 if it does not emit
-  int32_t shape;             ///< index of the shape in the scene file
+  int32_t shape;       ///< index of the shape in the scene file | kSmoothTriangle
   float inverse_cross;       ///< 1 / |e1 x e2|, 0 if that is 0
   float n0[3], n1[3], n2[3]; ///< vertex normals (the face normal thrice where there are none)
   float uv0[2], uv1[2], uv2[2];

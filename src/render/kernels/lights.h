@@ -284,9 +284,13 @@ sample_light(const SceneView& scene, const LightLanes<T>& l, const Vec3<T>& p, c
   auto sphere = is(LightType::sphere), point = is(LightType::point);
   auto quadric = is(LightType::disk) | is(LightType::cylinder);
 
-  // Uniform over the area: triangle by the square root map, parallelogram directly.
-  T root = sqrt(u.x);
-  T b1 = select(triangle, T(1) - root, u.x), b2 = select(triangle, u.y * root, u.y);
+  // Uniform over the area: parallelogram directly, triangle by the square root map.
+  T b1 = u.x, b2 = u.y;
+  if (any(triangle)) {
+    T root = sqrt(u.x);
+    b1 = select(triangle, T(1) - root, b1);
+    b2 = select(triangle, u.y * root, b2);
+  }
   LightPoint<T> s;
   s.offset = fma(l.e1, b1, fma(l.e2, b2, l.p)) - p;
   s.delta = point;
@@ -337,8 +341,9 @@ sample_light(const SceneView& scene, const LightLanes<T>& l, const Vec3<T>& p, c
   if (any(by_area))
     s.pdf = select(by_area, d2 / max(cosine * l.area, T(1e-30f)), s.pdf);
   s.valid = s.valid & (s.pdf > T(0));
-  s.uv = {fma(l.duv1.x, b1, fma(l.duv2.x, b2, l.uv0.x)),
-          fma(l.duv1.y, b1, fma(l.duv2.y, b2, l.uv0.y))};
+  if (any(l.texture >= I(0)))
+    s.uv = {fma(l.duv1.x, b1, fma(l.duv2.x, b2, l.uv0.x)),
+            fma(l.duv1.y, b1, fma(l.duv2.y, b2, l.uv0.y))};
   return s;
 }
 

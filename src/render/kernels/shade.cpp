@@ -21,7 +21,8 @@ void Wavefront::shade_class(const ClassView& c, const int32_t* order, int n) {
   counters_.groups += (n + W - 1) / W;
 }
 
-SurfaceLanes<Lanes> Wavefront::surface(const int32_t* order, const PathLanes& path) const {
+SurfaceLanes<Lanes> Wavefront::surface(const int32_t* order, const PathLanes& path,
+                                       bool need_uv) const {
   alignas(64) int32_t codes[W];
   alignas(64) float distances[W];
   bool quadrics = false, triangles = false;
@@ -34,13 +35,14 @@ SurfaceLanes<Lanes> Wavefront::surface(const int32_t* order, const PathLanes& pa
   }
   I code = load_int<T>(codes);
   if (!quadrics)
-    return triangle_point<T>(scene_, code, path.o, path.d);
+    return triangle_point<T>(scene_, code, path.o, path.d, need_uv);
   M is_quadric = code >= I(kQuadricHit);
   I quadric_index = select(is_quadric, code - I(kQuadricHit), I(0));
   SurfaceLanes<T> q = quadric_point<T>(scene_, quadric_index, path.o, path.d, load<T>(distances));
   if (!triangles)
     return q;
-  SurfaceLanes<T> t = triangle_point<T>(scene_, select(is_quadric, I(0), code), path.o, path.d);
+  SurfaceLanes<T> t =
+      triangle_point<T>(scene_, select(is_quadric, I(0), code), path.o, path.d, need_uv);
   SurfaceLanes<T> s;
   s.p = select(is_quadric, q.p, t.p);
   s.geometric = select(is_quadric, q.geometric, t.geometric);
@@ -139,7 +141,8 @@ void Wavefront::shade_group(const ClassView& c, const int32_t* order, int n) {
   const RenderSettings& settings = job_.settings;
   M active = first_lanes<T>(n);
   PathLanes path = load_paths(order);
-  SurfaceLanes<T> s = surface(order, path);
+  bool untextured = c.single && (c.leaf.program < 0 || !scene_.programs[c.leaf.program].textured);
+  SurfaceLanes<T> s = surface(order, path, !untextured);
   add(emission(path, s, active), path.slot, active & (s.light >= I(0)));
   if (settings.max_depth >= 0)
     active = active & (path.depth + I(1) < I(settings.max_depth));
@@ -239,6 +242,8 @@ void Wavefront::continue_paths(const PathLanes& path, const SurfaceLanes<T>& s,
     return;
   Vec3<T> o = offset_origin(s, d, T(scene_scale_));
   T pdf = select(sample.delta, T(-1), sample.pdf);
+  bool tree = scene_.light_nodes[0].child >= 0;
+  I normal = tree ? pack_normal(s.frame.n) : I(0);
   T row[16] = {o.x,
                o.y,
                o.z,
@@ -254,7 +259,7 @@ void Wavefront::continue_paths(const PathLanes& path, const SurfaceLanes<T>& s,
                bits_float(path.pixel),
                bits_float(path.sample),
                bits_float(depth),
-               bits_float(pack_normal(s.frame.n))};
+               bits_float(normal)};
   if (scene_.environment.columns) {
     Vec2<T> place = environment_places(stream, dimension + I(kPairsPerVertex));
     compress_store(next_places_ + next_count_, place.x, alive);

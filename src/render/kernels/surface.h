@@ -24,8 +24,9 @@ template <class T> FACETA_INLINE Frame<T> shading_frame(const Vec3<T>& n, const 
   Vec3<T> s = fma(n, -dot(n, dpdu), dpdu);
   T length2 = dot(s, s);
   auto degenerate = !(length2 > T(1e-24f));
-  Frame<T> any_frame = frame_from_normal(n);
-  s = select(degenerate, any_frame.s, s * (T(1) / sqrt(select(degenerate, T(1), length2))));
+  s = s * (T(1) / sqrt(select(degenerate, T(1), length2)));
+  if (any(degenerate))
+    s = select(degenerate, frame_from_normal(n).s, s);
   return {s, cross(n, s), n};
 }
 
@@ -44,14 +45,32 @@ template <class T> FACETA_INLINE Vec3<T> transform_normal(const T* m, const Vec3
           fma(m[2], n.x, fma(m[6], n.y, m[10] * n.z))};
 }
 
-template <class T> FACETA_INLINE SurfaceLanes<T>
-triangle_point(const SceneView& scene, const IntOf<T>& index, const Vec3<T>& o, const Vec3<T>& d) {
+/// The second row of a triangle: normals and uv, for barycentric coordinates (u, v).
+template <class T> FACETA_INLINE void interpolate_triangle(const float* base, const int32_t* rows,
+                                                           const T& u, const T& v,
+                                                           const MaskOf<T>& flat, Vec3<T>& normal,
+                                                           Vec2<T>& uv) {
+  T b[16];
+  load_rows<T>(base + 16, 32, rows, b);
+  T w = T(1) - u - v;
+  Vec3<T> n = Vec3<T>{b[0], b[1], b[2]} * w;
+  n = fma(Vec3<T>{b[3], b[4], b[5]}, u, n);
+  n = fma(Vec3<T>{b[6], b[7], b[8]}, v, n);
+  T n2 = dot(n, n);
+  auto usable = (n2 > T(1e-20f)) & !flat;
+  normal = select(usable, n * (T(1) / sqrt(select(usable, n2, T(1)))), normal);
+  uv = {fma(w, b[9], fma(u, b[11], v * b[13])), fma(w, b[10], fma(u, b[12], v * b[14]))};
+}
+
+/// A triangle hit. Without need_uv, groups of flat triangles spare the second row.
+template <class T>
+FACETA_INLINE SurfaceLanes<T> triangle_point(const SceneView& scene, const IntOf<T>& index,
+                                             const Vec3<T>& o, const Vec3<T>& d, bool need_uv) {
   alignas(64) int32_t rows[kWidthOf<T>];
   store(rows, index);
   const float* base = reinterpret_cast<const float*>(scene.triangles);
-  T a[16], b[16];
+  T a[16];
   load_rows<T>(base, 32, rows, a);
-  load_rows<T>(base + 16, 32, rows, b);
   Vec3<T> v0{a[0], a[1], a[2]}, e1{a[3], a[4], a[5]}, e2{a[6], a[7], a[8]};
   // Moeller and Trumbore 1997, by true division: the same bits whatever Embree was built for.
   Vec3<T> h = cross(d, e2);
@@ -62,17 +81,14 @@ triangle_point(const SceneView& scene, const IntOf<T>& index, const Vec3<T>& o, 
   SurfaceLanes<T> point;
   point.p = fma(e1, u, fma(e2, v, v0));
   point.geometric = cross(e1, e2) * a[15];
-  T w = T(1) - u - v;
-  Vec3<T> n = Vec3<T>{b[0], b[1], b[2]} * w;
-  n = fma(Vec3<T>{b[3], b[4], b[5]}, u, n);
-  n = fma(Vec3<T>{b[6], b[7], b[8]}, v, n);
-  T n2 = dot(n, n);
-  auto usable = n2 > T(1e-20f);
-  n = select(usable, n * (T(1) / sqrt(select(usable, n2, T(1)))), point.geometric);
-  point.uv = {fma(w, b[9], fma(u, b[11], v * b[13])), fma(w, b[10], fma(u, b[12], v * b[14]))};
-  point.frame = shading_frame(n, Vec3<T>{a[9], a[10], a[11]});
   point.material = as_integer(a[12]);
   point.light = as_integer(a[13]);
+  auto flat = (as_integer(a[14]) & IntOf<T>(kSmoothTriangle)) == IntOf<T>(0);
+  Vec3<T> n = point.geometric;
+  point.uv = {T(0), T(0)};
+  if (need_uv || !all(flat) || any(point.light >= IntOf<T>(0)))
+    interpolate_triangle(base, rows, u, v, flat, n, point.uv);
+  point.frame = shading_frame(n, Vec3<T>{a[9], a[10], a[11]});
   return point;
 }
 

@@ -112,7 +112,7 @@ private:
   void shadows();
 
   PathLanes load_paths(const int32_t* order) const;
-  SurfaceLanes<T> surface(const int32_t* order, const PathLanes& path) const;
+  SurfaceLanes<T> surface(const int32_t* order, const PathLanes& path, bool need_uv) const;
   Color<T> emission(const PathLanes& path, const SurfaceLanes<T>& s, M active);
   LightSample sample_lights(const SurfaceLanes<T>& s, const SampleStream<T>& stream,
                             const I& dimension, const Vec2<T>& place);
