@@ -197,7 +197,7 @@ FACETA_INLINE MaskOf<T> near_rectangle(const LightLanes<T>& l, const Vec3<T>& p)
   Vec3<T> to_center = fma(l.e1, half, fma(l.e2, half, l.p)) - p;
   T diagonal2 = fma(l.length1, l.length1, l.length2 * l.length2);
   auto rectangle = l.type == IntOf<T>(static_cast<int32_t>(LightType::rectangle));
-  return rectangle & (diagonal2 > T(0.3f) * dot(to_center, to_center));
+  return rectangle & (diagonal2 > T(2) * dot(to_center, to_center));
 }
 
 /// The solid angle of a rectangle and what sampling it needs (Urena, Fajardo and King 2013).
