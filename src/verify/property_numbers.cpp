@@ -223,10 +223,11 @@ Difference difference_of(const double (&f)[5], double h) {
   double value = narrow + (narrow - wide) / 3; // Richardson's extrapolation
   // The two one-sided slopes of a smooth function approach each other like h; with a kink in reach
   // they do not.
-  double bend = std::abs((f[4] - f[2]) - (f[2] - f[0])) / h;
-  double bend_narrow = std::abs((f[3] - f[2]) - (f[2] - f[1])) / (0.5 * h);
+  double bend = ((f[4] - f[2]) - (f[2] - f[0])) / h;
+  double bend_narrow = ((f[3] - f[2]) - (f[2] - f[1])) / (0.5 * h);
   double noise = 2e-14 * std::abs(f[2]) / h;
-  bool kink = std::abs(bend_narrow - 0.5 * bend) > 0.05 * bend + 1e-7 * std::abs(value) + noise;
+  bool kink =
+      std::abs(bend_narrow - 0.5 * bend) > 1e-3 * std::abs(bend) + 1e-7 * std::abs(value) + noise;
   return {value, std::abs(value - narrow) + noise, kink};
 }
 

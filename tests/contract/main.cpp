@@ -1,6 +1,7 @@
 // Registers one test for every material, exemplar and property; the materials come from the
 // registry.
 
+#include "formats/material_xml.h"
 #include "verify/properties.h"
 #include "verify/statistics.h"
 
@@ -72,6 +73,10 @@ private:
   const ModelProperty& property_;
 };
 
+Parameters through_xml(const Parameters& p) {
+  return *parse_material(write_material(p))->parameters;
+}
+
 std::string slug(std::string name) {
   for (char& c : name)
     if (!std::isalnum(static_cast<unsigned char>(c)))
@@ -98,6 +103,7 @@ void register_model(const Model& model) {
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);
   Registry::global().add(newcomers::newcomers_models(), FACETA_TEST_MODULES, "newcomers");
+  round_trips().emplace_back("xml", through_xml);
   for (const auto& model : Registry::global().models())
     register_model(*model);
   return RUN_ALL_TESTS();
