@@ -118,6 +118,7 @@ int run_render(const RenderOptions& options) {
   job.threads = options.threads;
   job.tile = options.tile;
   job.moments = scene->integrator.moments;
+  job.timeout = scene->integrator.timeout;
   ProgressLine line(options.verbosity < 0);
   InterruptFlag interrupt;
   job.stop = &interrupt.flag();

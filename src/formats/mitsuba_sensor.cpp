@@ -182,6 +182,9 @@ FilmDesc Reader::read_film(const xml::Node& node) {
                                 {"luminance", "luminance_alpha", "rgb", "rgba", "xyz", "xyza"});
   film.component_format =
       read_word(node, "component_format", "float16", {"float16", "float32", "uint32"});
+  if (film.component_format == "uint32")
+    throw node.error_at("component_format", "component_format 'uint32' is not supported yet",
+                        "use float16 or float32");
   if (node.get_boolean("sample_border", false))
     throw node.error_at("sample_border", "'sample_border' of film 'hdrfilm' is not supported yet");
   node.mark("banner");

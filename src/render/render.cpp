@@ -301,7 +301,8 @@ RenderResult render(const Scene& scene, const RenderOptions& options) {
       for (std::thread& t : pool)
         t.join();
       film.samples = last;
-      if (options.stop && *options.stop && film.samples < options.spp) {
+      bool late = options.timeout >= 0 && elapsed() > options.timeout;
+      if ((late || (options.stop && *options.stop)) && film.samples < options.spp) {
         result.stopped = true;
         break;
       }

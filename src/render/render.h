@@ -49,6 +49,7 @@ struct RenderOptions {
   RenderSettings settings;
   int threads = 0; ///< 0: all processors
   Isa isa = best_isa();
+  double timeout = -1;  ///< seconds after which the pass is finished and no other begun; < 0: none
   bool moments = false; ///< fill Film::xyz_squares
   int tile = 0;         ///< pixels a side; 0: chosen. Any value gives the same picture.
   std::function<void(const Progress&)> progress; ///< about four times a second

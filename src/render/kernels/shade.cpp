@@ -143,6 +143,12 @@ void Wavefront::shade_group(const ClassView& c, const int32_t* order, int n) {
   PathLanes path = load_paths(order);
   bool untextured = c.single && (c.leaf.program < 0 || !scene_.programs[c.leaf.program].textured);
   SurfaceLanes<T> s = surface(order, path, !untextured);
+  if (settings.hide_emitters) {
+    M hidden = active & (path.depth == I(0)) & (s.light >= I(0));
+    if (any(hidden))
+      see_through(path, s, hidden);
+    active = active & !hidden;
+  }
   add(emission(path, s, active), path.slot, active & (s.light >= I(0)));
   if (settings.max_depth >= 0)
     active = active & (path.depth + I(1) < I(settings.max_depth));
@@ -198,6 +204,52 @@ void Wavefront::shade_group(const ClassView& c, const int32_t* order, int n) {
   continue_paths(path, s, r.sample, stream, dimension, use_bsdf);
 }
 
+/// The camera does not see emitters that are hidden: its rays go on behind them, unchanged.
+void Wavefront::see_through(const PathLanes& path, const SurfaceLanes<T>& s, M mask) {
+  Vec3<T> o = offset_origin(s, path.d, T(scene_scale_));
+  store_paths(path, o, path.d, path.pdf, path.eta, path.throughput, path.depth, I(0), mask);
+  if (scene_.environment.columns) {
+    SampleStream<T> stream(as_uint(path.pixel), as_uint(path.sample), job_.settings.seed,
+                           job_.settings.sampler == SamplerType::sobol);
+    int first = next_count_ - count(mask);
+    store_places(environment_places(stream, I(1)), first, mask);
+  }
+}
+
+/// Appends paths to the pool of the next round and counts them as alive.
+void Wavefront::store_paths(const PathLanes& path, const Vec3<T>& o, const Vec3<T>& d, const T& pdf,
+                            const T& eta, const Color<T>& throughput, const I& depth,
+                            const I& normal, M mask) {
+  T row[16] = {o.x,
+               o.y,
+               o.z,
+               d.x,
+               d.y,
+               d.z,
+               pdf,
+               eta,
+               throughput[0],
+               throughput[1],
+               throughput[2],
+               bits_float(path.slot),
+               bits_float(path.pixel),
+               bits_float(path.sample),
+               bits_float(depth),
+               bits_float(normal)};
+  next_count_ += store_rows<T>(next_rows_ + 16 * next_count_, mask, row);
+  // Chunks stay open while one of their paths lives; in flight are at most kChunkRing of them.
+  I ring = path.slot >> kChunkShift;
+  for (uint64_t i = head_; i < tail_; ++i) {
+    int index = static_cast<int>(i % kChunkRing);
+    ring_[index].alive += count(mask & (ring == I(index)));
+  }
+}
+
+void Wavefront::store_places(const Vec2<T>& place, int first, M mask) {
+  compress_store(next_places_ + first, place.x, mask);
+  compress_store(next_places_ + kPoolRows + first, place.y, mask);
+}
+
 void Wavefront::queue_shadow(const SurfaceLanes<T>& s, const LightSample& l,
                              const Color<T>& contribution, const I& slot, M mask) {
   if (none(mask))
@@ -242,36 +294,10 @@ void Wavefront::continue_paths(const PathLanes& path, const SurfaceLanes<T>& s,
     return;
   Vec3<T> o = offset_origin(s, d, T(scene_scale_));
   T pdf = select(sample.delta, T(-1), sample.pdf);
-  bool tree = scene_.light_nodes[0].child >= 0;
-  I normal = tree ? pack_normal(s.frame.n) : I(0);
-  T row[16] = {o.x,
-               o.y,
-               o.z,
-               d.x,
-               d.y,
-               d.z,
-               pdf,
-               eta,
-               throughput[0],
-               throughput[1],
-               throughput[2],
-               bits_float(path.slot),
-               bits_float(path.pixel),
-               bits_float(path.sample),
-               bits_float(depth),
-               bits_float(normal)};
-  if (scene_.environment.columns) {
-    Vec2<T> place = environment_places(stream, dimension + I(kPairsPerVertex));
-    compress_store(next_places_ + next_count_, place.x, alive);
-    compress_store(next_places_ + kPoolRows + next_count_, place.y, alive);
-  }
-  next_count_ += store_rows<T>(next_rows_ + 16 * next_count_, alive, row);
-  // Chunks stay open while one of their paths lives; in flight are at most kChunkRing of them.
-  I ring = path.slot >> kChunkShift;
-  for (uint64_t i = head_; i < tail_; ++i) {
-    int index = static_cast<int>(i % kChunkRing);
-    ring_[index].alive += count(alive & (ring == I(index)));
-  }
+  if (scene_.environment.columns)
+    store_places(environment_places(stream, dimension + I(kPairsPerVertex)), next_count_, alive);
+  I normal = scene_.light_nodes[0].child >= 0 ? pack_normal(s.frame.n) : I(0);
+  store_paths(path, o, d, pdf, eta, throughput, depth, normal, alive);
 }
 
 void Wavefront::shadows() {

@@ -119,6 +119,11 @@ private:
   Vec2<T> environment_places(const SampleStream<T>& stream, const I& dimension) const;
   void queue_shadow(const SurfaceLanes<T>& s, const LightSample& l, const Color<T>& contribution,
                     const I& slot, M mask);
+  void see_through(const PathLanes& path, const SurfaceLanes<T>& s, M mask);
+  void store_paths(const PathLanes& path, const Vec3<T>& o, const Vec3<T>& d, const T& pdf,
+                   const T& eta, const Color<T>& throughput, const I& depth, const I& normal,
+                   M mask);
+  void store_places(const Vec2<T>& place, int first, M mask);
   void continue_paths(const PathLanes& path, const SurfaceLanes<T>& s, const Sample<T>& sample,
                       const SampleStream<T>& stream, const I& dimension, M active);
   void add(const Color<T>& c, const I& slot, M mask);
