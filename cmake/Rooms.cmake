@@ -25,7 +25,8 @@ function(faceta_room_tests name)
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/unit/${name}/*.cpp)
   if(sources)
     add_executable(test_${name} ${sources})
-    target_link_libraries(test_${name} PRIVATE faceta_${name} GTest::gtest GTest::gtest_main)
+    target_link_libraries(test_${name} PRIVATE faceta_${name} Ceres::ceres GTest::gtest
+      GTest::gtest_main)
     target_compile_definitions(test_${name} PRIVATE
       FACETA_TEST_DATA="${CMAKE_SOURCE_DIR}/tests/unit/${name}"
       FACETA_SHARED_DATA="${CMAKE_SOURCE_DIR}/../shared/data")

@@ -86,8 +86,7 @@ public:
     for (const json& row : document_.at("rows")) {
       SheetRow r{row.at("heading"), row.value("note", ""), {}};
       for (const json& cell : row.at("cells")) {
-        r.cells.push_back({cell.at("title"), cell.at("label"),
-                           render_cell(cell.value("scene", row.at("scene")), cell.at("bsdf"))});
+        r.cells.push_back({cell.at("title"), cell.at("label"), render_cell(row, cell)});
         if (options_.verbosity >= 0)
           std::fprintf(stderr, "%2zu/%zu  %s, %s\n", ++done, total, r.cells.back().title.c_str(),
                        r.cells.back().label.c_str());
@@ -99,13 +98,14 @@ public:
   }
 
 private:
-  Image render_cell(const std::string& scene_name, const std::string& bsdf) {
+  Image render_cell(const json& row, const json& cell) {
+    std::string scene_name = cell.value("scene", row.at("scene"));
     const json& variant = document_.at("scenes").at(scene_name);
     const json& defaults = document_.at("render");
     fs::path file = folder_ / variant.at("file").get<std::string>();
     xml::ParseOptions parse;
     xml::NodePtr root = xml::parse_scene_file(file.string(), parse);
-    dress(*root, document_.at("material_id"), bsdf);
+    dress(*root, document_.at("material_id"), cell.at("bsdf"));
     std::unique_ptr<Scene> scene = build_mitsuba_scene(*root, ReadOptions{});
     SensorDesc sensor = scene->sensors.at(0);
     sensor.film.width = options_.size ? (*options_.size)[0] : int(defaults.at("cell_width"));
@@ -117,7 +117,7 @@ private:
     sensor.sampler.seed = options_.seed.value_or(0);
     faceta::RenderOptions job;
     job.isa = options_.isa.value_or(best_isa());
-    job.spp = options_.spp.value_or(defaults.at("spp"));
+    job.spp = options_.spp.value_or(row.value("spp", int(defaults.at("spp"))));
     job.threads = options_.threads;
     job.settings = render_settings(scene->integrator, sensor.sampler);
     scene->build(job.isa);
