@@ -85,6 +85,9 @@ struct Region {
   }
 };
 
+/// Differences this far below the reference's mean are none.
+constexpr double kBlack = 1e-6;
+
 /// Makes both pictures and both variances one channel list, so that they can be walked in step.
 struct Pair {
   Image a, var_a, b, var_b;
@@ -95,6 +98,7 @@ struct Pair {
     const auto channels = common_channels(a_in, b_in);
     a = a_in.select(channels), var_a = va.select(channels);
     b = b_in.select(channels), var_b = vb.select(channels);
+    set_black_variance();
   }
   bool finite(std::size_t i) const {
     return std::isfinite(a.data[i]) && std::isfinite(b.data[i]) && std::isfinite(var_a.data[i]) &&
@@ -103,8 +107,22 @@ struct Pair {
   Region at(std::size_t i, double quantisation) const {
     const double va = a.data[i], vb = b.data[i], q = quantisation * quantisation;
     return {va - vb, std::max(0.0f, var_a.data[i]) + std::max(0.0f, var_b.data[i]) +
-                         q * (va * va + vb * vb)};
+                         q * (va * va + vb * vb) + black_variance_[i % a.channels.size()]};
   }
+
+private:
+  /// Tails of highlights reach 1e-30, where a variance underflows: they are no difference.
+  void set_black_variance() {
+    const std::size_t n = b.channels.size();
+    std::vector<double> sums(n, 0.0);
+    for (std::size_t i = 0; i < b.data.size(); ++i)
+      sums[i % n] += std::isfinite(b.data[i]) ? std::abs(double(b.data[i])) : 0.0;
+    for (double sum : sums) {
+      const double black = kBlack * sum / static_cast<double>(b.pixel_count());
+      black_variance_.push_back(black * black);
+    }
+  }
+  std::vector<double> black_variance_; ///< per channel
 };
 
 /// Sums one block of one channel and counts its pixels into the result.

@@ -87,7 +87,7 @@ struct TwoSampleTest {
 /// \param quantisation relative rounding error of stored values added to both variances: 2^-11 /
 /// sqrt
 ///        12 of a value for 16-bit files is the default; it also keeps noiseless pixels from
-///        dividing by zero
+///        dividing by zero. A millionth of b's mean is added likewise: what lies below is black
 TwoSampleTest two_sample_test(const Image& a, const Image& var_a, const Image& b,
                               const Image& var_b, double limit = 4, int block = 8,
                               double quantisation = 1.41e-4);
