@@ -92,7 +92,10 @@ template <class T> struct RoughDielectric {
     T pdf = normal *
             select(reflected, f.reflectance / (T(4) * mo), f.transmittance * jacobian * inverse2);
 
-    auto ok = (o.z > T(0)) & (mo > T(0)) & (reflected | ((i.z < T(0)) & (mi < T(0))));
+    // Nearer to the horizon than this, products of cosines leave the range of single precision.
+    T horizon = T(1e-10);
+    auto ok = (o.z > horizon) & (abs(i.z) > horizon) & (mo > T(0)) &
+              (reflected | ((i.z < T(0)) & (mi < T(0))));
     Eval<T> e;
     e.value =
         select(reflected, specular_reflectance, specular_transmittance) * select(ok, value, T(0));
