@@ -21,6 +21,14 @@ SCENES = {
 }
 
 
+# Differences whose reason was found.
+KNOWN = {
+    "coffee":
+        "light leaks into the thin shell around 208,96 in Mitsuba, whose rays start a distance "
+        "away that does not shrink with the scene; 1000 times larger, Mitsuba's agrees with ours",
+}
+
+
 def compare(program, scene, spp, reference, variance, picture, picture_variance):
     run(program, "render", scene, "-o", picture, "--float", "--variance", picture_variance,
         "--spp", spp, "--seed", 1, "-q")
@@ -53,7 +61,7 @@ def main():
                                             summary.path(name + ".exr"),
                                             summary.path(name + "_var.exr")),
                       needs=(scene, reference, variance))
-    return summary.end()
+    return summary.end(KNOWN)
 
 
 if __name__ == "__main__":

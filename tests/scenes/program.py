@@ -82,15 +82,18 @@ class Summary:
             self.hints.append(name)
             print(f"      {'':<44} look for the reason: {hint}", flush=True)
 
-    def end(self):
-        """Prints the last line and returns the exit code."""
+    def end(self, known=None):
+        """Prints the reasons that are known and the last line. Returns the exit code."""
+        for name in sorted(set(self.hints) & set(known or {})):
+            print(f"known {name}: {known[name]}")
+        unexplained = sorted(set(self.hints) - set(known or {}))
         seconds = time.monotonic() - self.start
         text = (f"{self.title}: {len(self.passed)} passed, {len(self.failed)} failed, "
                 f"{len(self.skipped)} skipped in {seconds:.0f} s")
         if QUICK:
             text += " (quick mode: fewer samples)"
-        if self.hints:
-            text += f"; look at: {', '.join(sorted(set(self.hints)))}"
+        if unexplained:
+            text += f"; look at: {', '.join(unexplained)}"
         if self.failed:
             text += f"; failed: {', '.join(self.failed)}"
         print(text, flush=True)

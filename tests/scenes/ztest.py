@@ -29,6 +29,16 @@ SCENES = [
 ]
 
 
+# Differences whose reason was found.
+KNOWN = {
+    "bsdf_spheres/test_constant_path":
+        "the reference, by Mitsuba 2, has 0.1 % more red; Mitsuba 3.9.1 differs from it as we do",
+    "texture_interp/test_texture_interp_direct":
+        "the reference took the Gaussian filter from a table of 31 steps, as scalar Mitsuba does; "
+        "Mitsuba's LLVM variant computes it and agrees with us",
+}
+
+
 def z_test(program, scene, integrator, reference, variance, picture):
     info = run_json(program, "info", reference, "--json")
     spp = SAMPLES // (info["width"] * info["height"])
@@ -59,7 +69,7 @@ def main():
         picture = summary.path(scene.stem + ".exr")
         summary.scene(name, lambda: z_test(options.program, scene, integrator, reference, variance,
                                            picture), needs=(scene, reference, variance))
-    return summary.end()
+    return summary.end(KNOWN)
 
 
 if __name__ == "__main__":
