@@ -98,12 +98,13 @@ struct Worker {
       ++non_finite;
       c[0] = c[1] = c[2] = 0;
     }
+    double share = 1.0 / splits;
     for (int k = 0; k < 4; ++k)
-      sum[k] += c[k] / splits;
+      sum[k] += c[k] * share;
     for (int k = 0; k < 3; ++k)
-      square[k] += (c[k] / splits) * (c[k] / splits);
+      square[k] += (c[k] * share) * (c[k] * share);
     if (xyz_square) {
-      std::array<double, 3> xyz = srgb_to_xyz({c[0] / splits, c[1] / splits, c[2] / splits});
+      std::array<double, 3> xyz = srgb_to_xyz({c[0] * share, c[1] * share, c[2] * share});
       for (int k = 0; k < 3; ++k)
         xyz_square[k] += xyz[k] * xyz[k];
     }

@@ -90,9 +90,12 @@ Vec2<Lanes> Wavefront::environment_places(const SampleStream<T>& stream, const I
 Wavefront::LightSample Wavefront::sample_lights(const SurfaceLanes<T>& s,
                                                 const SampleStream<T>& stream, const I& dimension,
                                                 const Vec2<T>& place) {
-  Vec2<T> u = stream.pair(as_uint(dimension));
-  Vec2<T> choice = stream.pair(as_uint(dimension + I(2)));
   const EnvironmentView& e = scene_.environment;
+  Vec2<T> u{T(0), T(0)}, choice{T(0), T(0)};
+  if (e.probability < 1 || e.columns == 0) { // else the place on the environment is known already
+    u = stream.pair(as_uint(dimension));
+    choice = stream.pair(as_uint(dimension + I(2)));
+  }
   T p_environment = T(e.probability);
   M from_environment = choice.x < p_environment;
   LightSample r;
@@ -313,12 +316,13 @@ void Wavefront::shadows() {
     job_.record(job_.user, RayKind::shadow, &recorded, shadow_count_);
   }
   trace_shadow(scene_, rays, shadow_count_, blocked_);
-  for (int i = 0; i < shadow_count_; ++i)
-    if (!blocked_[i]) {
-      float* pixel = radiance_ + 4 * size_t(shadow_slots_[i]);
-      for (int k = 0; k < 3; ++k)
-        pixel[k] += a[(7 + k) * n + i];
-    }
+  for (int i = 0; i < shadow_count_; ++i) {
+    // No branch: whether a light is seen is hard to predict.
+    float* pixel = radiance_ + 4 * size_t(shadow_slots_[i]);
+    bool blocked = blocked_[i];
+    for (int k = 0; k < 3; ++k)
+      pixel[k] += blocked ? 0.0f : a[(7 + k) * n + i];
+  }
   counters_.shadow_rays += shadow_count_;
 }
 

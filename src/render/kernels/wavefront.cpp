@@ -18,7 +18,8 @@ Wavefront::Wavefront(const RenderJob& job, RenderCounters& counters)
       order_(kPoolRows), keys_(kPoolRows), distances_(kPoolRows), camera_rays_(8 * kCameraStride),
       shadow_rays_(10 * kShadowStride), shadow_slots_(kPoolRows), blocked_(kPoolRows),
       pixel_x_(kPoolRows), pixel_y_(kPoolRows), samples_(kPoolRows),
-      radiance_(size_t(kChunkRing) * kMaxChunkPaths * 4), begin_(scene_.root_count + 2) {}
+      radiance_(size_t(kChunkRing) * kMaxChunkPaths * 4), begin_(scene_.root_count + 2),
+      counters4_(4 * (scene_.root_count + 1)) {}
 
 void Wavefront::run() {
   for (;;) {
@@ -200,8 +201,10 @@ void Wavefront::trace() {
 }
 
 void Wavefront::sort() {
-  std::fill(begin_.begin(), begin_.end(), 0);
-  int32_t* counts = begin_.data() + 1;
+  // Four sets of counters, one for every fourth path: increments of one counter would wait for each
+  // other where neighbours share a material.
+  const int keys = scene_.root_count + 1;
+  std::fill(counters4_.begin(), counters4_.end(), 0);
   const EnvironmentView& e = scene_.environment;
   bool environment = e.columns > 0;
   for (int i = 0; i < count_; ++i) {
@@ -212,19 +215,22 @@ void Wavefront::sort() {
     else if (code != kNoHit)
       key = 1 + scene_.triangles[code].material;
     keys_[i] = key;
-    ++counts[key];
+    ++counters4_[4 * key + (i & 3)];
     if (environment && key)
       __builtin_prefetch(e.cells + environment_cell_at(e, places_[i], places_[kPoolRows + i]));
   }
-  for (size_t k = 1; k < begin_.size(); ++k)
-    begin_[k] += begin_[k - 1];
-  // begin_[k] is now the first position of key k; place, then undo the advance.
-  int32_t* place = begin_.data();
+  int32_t position = 0;
+  for (int key = 0; key < keys; ++key) {
+    begin_[key] = position;
+    for (int k = 0; k < 4; ++k) {
+      int32_t n = counters4_[4 * key + k];
+      counters4_[4 * key + k] = position;
+      position += n;
+    }
+  }
+  begin_[keys] = position;
   for (int i = 0; i < count_; ++i)
-    order_[place[keys_[i]]++] = i;
-  for (size_t k = begin_.size() - 1; k > 0; --k)
-    begin_[k] = begin_[k - 1];
-  begin_[0] = 0;
+    order_[counters4_[4 * keys_[i] + (i & 3)]++] = i;
   for (int i = 0; i < kLanePadding; ++i)
     order_[count_ + i] = order_[max(count_ - 1, 0)];
 }

@@ -151,8 +151,9 @@ private:
   AlignedArray<int32_t> shadow_slots_;
   AlignedArray<uint8_t> blocked_;
   AlignedArray<int32_t> pixel_x_, pixel_y_, samples_;
-  AlignedArray<float> radiance_; ///< RGBA a slot, kMaxChunkPaths a ring entry
-  std::vector<int32_t> begin_;   ///< first position of each key in the order
+  AlignedArray<float> radiance_;   ///< RGBA a slot, kMaxChunkPaths a ring entry
+  std::vector<int32_t> begin_;     ///< first position of each key in the order
+  std::vector<int32_t> counters4_; ///< of sort()
   ChunkState ring_[kChunkRing];
   uint64_t head_ = 0, tail_ = 0; ///< ring positions: oldest open chunk, next to open
   bool exhausted_ = false;
