@@ -19,7 +19,7 @@ constexpr int kElements = 4096; ///< a few arrays of them lie in the second-leve
 
 struct Options {
   std::string json, only;
-  int exemplars = 2;
+  int exemplars = 3;
   double budget = 0.03; ///< seconds a number
 };
 
