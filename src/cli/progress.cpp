@@ -34,10 +34,14 @@ void ProgressLine::update(const Progress& p) {
     return;
   double eta = p.fraction > 0 ? p.seconds / p.fraction - p.seconds : 0;
   double rate = p.seconds > 0 ? double(p.rays) / p.seconds * 1e-6 : 0;
+  // Rays are counted when a pass ends; before the first they are not known.
+  char speed[32] = "";
+  if (p.rays)
+    std::snprintf(speed, sizeof speed, "  %.1f Mrays/s", rate);
   char tail[160];
-  std::snprintf(tail, sizeof tail, "%lld/%lld spp  %.1f Mrays/s  %s, ETA %s",
-                static_cast<long long>(p.samples), static_cast<long long>(p.total_samples), rate,
-                duration(p.seconds).c_str(), duration(eta).c_str());
+  std::snprintf(tail, sizeof tail, "%lld/%lld spp%s  %s, ETA %s", static_cast<long long>(p.samples),
+                static_cast<long long>(p.total_samples), speed, duration(p.seconds).c_str(),
+                duration(eta).c_str());
   if (terminal_) {
     constexpr int kWidth = 28;
     int filled = static_cast<int>(p.fraction * kWidth + 0.5);
