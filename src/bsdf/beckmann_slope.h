@@ -99,32 +99,45 @@ template <std::same_as<double> T> T normal_slope(const T& x) {
 
 } // namespace detail
 
-/// Samples the visible slopes {along, across} of the unit surface, for z = cos theta > 0 and
-/// r = sin theta >= 0 of the stretched direction (of any common length), u in [0, 1)^2.
+/// The visible slopes of the unit surface, for z = cos theta > 0 and r = sin theta >= 0 of the
+/// stretched direction (of any common length). First the magnitude of the slope along, then its
+/// sign.
 ///
-/// No iteration: the two values +-y together weigh a + max(a, y), y = |x|. Half a normal, another
-/// one cut off at a, and y exp(-y^2) beyond a make up this density of y, and each has an inverse.
-/// The sign is then drawn with the odds (a + y) : (a - y)+, and the number that drew it is rescaled
-/// for the slope across.
-template <class T>
-FACETA_INLINE Vec2<T> beckmann_visible_slopes(const T& z, const T& r, const Vec2<T>& u) {
-  T inverse = T(1) / max(r, T(1e-30)), a = min(z * inverse, T(6));
-  T twice = T(2) * z, total = fma(r, detail::ierfc(a), twice);
-  T position = u.x * total;
-  auto body = position < fma(-z, detail::erfc_positive(a), twice);
-  T share = position / z;
-  T half_normal = min(select(share < T(1), share, share - T(1)), T(kOneMinusEpsilon));
-  T tail = total * (T(1) - u.x) * (inverse * T(1.77245385090551602730));
-  T x = detail::slope_magnitude<T>(body, half_normal, max(min(tail, T(1)), T(1e-30)));
+/// No iteration: the two values +-y together weigh a + max(a, y). Half a normal, another one cut
+/// off at a, and y exp(-y^2) beyond a make up this density of y, and each has an inverse. The sign
+/// is then drawn with the odds (a + y) : (a - y)+.
+template <class T> struct BeckmannSlopes {
+  T along, twice_z, negative_part; ///< negative with probability negative_part / twice_z
 
-  // u.y < q / 2z with q = (z - |x| r)+ turns to the negative side.
-  T q = max(fma(-x, r, z), T(0));
-  T sign_position = twice * u.y;
-  auto negative = sign_position < q;
-  T rescaled = select(negative, sign_position, sign_position - q) / select(negative, q, twice - q);
-  T y = clamp(fma(T(2), rescaled, T(-1)), T(-kOneMinusEpsilon), T(kOneMinusEpsilon));
-  return {select(negative, -x, x), detail::normal_slope<T>(y)};
-}
+  /// u in [0, 1).
+  FACETA_INLINE BeckmannSlopes(const T& z, const T& r, const T& u) {
+    T inverse = T(1) / max(r, T(1e-30)), inverse_z = T(1) / z, a = min(z * inverse, T(6));
+    twice_z = T(2) * z;
+    T total = fma(r, detail::ierfc(a), twice_z), position = u * total;
+    auto body = position < fma(-z, detail::erfc_positive(a), twice_z);
+    T share = position * inverse_z;
+    T half_normal = min(select(share < T(1), share, share - T(1)), T(kOneMinusEpsilon));
+    T tail = total * (T(1) - u) * (inverse * T(1.77245385090551602730));
+    along = detail::slope_magnitude<T>(body, half_normal, max(min(tail, T(1)), T(1e-30)));
+    negative_part = max(fma(-along, r, z), T(0));
+  }
+
+  /// {along, across} from a number for the slope across and one for the sign.
+  FACETA_INLINE Vec2<T> draw(const T& u, const T& sign) const {
+    T y = max(fma(T(2), u, T(-1)), T(-kOneMinusEpsilon));
+    auto negative = twice_z * sign < negative_part;
+    return {select(negative, -along, along), detail::normal_slope<T>(y)};
+  }
+  /// Both from one number, which is rescaled after it has drawn the sign.
+  FACETA_INLINE Vec2<T> draw(const T& u) const {
+    T position = twice_z * u;
+    auto negative = position < negative_part;
+    T rescaled = select(negative, position, position - negative_part) /
+                 select(negative, negative_part, twice_z - negative_part);
+    T y = clamp(fma(T(2), rescaled, T(-1)), T(-kOneMinusEpsilon), T(kOneMinusEpsilon));
+    return {select(negative, -along, along), detail::normal_slope<T>(y)};
+  }
+};
 
 /// The slope along for cot theta = a > 0 by inverting its distribution function: continuous in u,
 /// for quadrature. (Slow; double only.)

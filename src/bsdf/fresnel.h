@@ -7,27 +7,35 @@
 
 namespace faceta {
 
-/// Unpolarised reflectance of a conductor with complex index eta + i k relative to the outside.
-/// cos_i in [0, 1]. Born and Wolf, Principles of Optics, 14.2; F = (r_s + r_p) / 2 over a common
-/// denominator, so that one division a channel is left.
-template <class T> FACETA_INLINE T fresnel_conductor(const T& cos_i, const T& eta, const T& k) {
-  T cos2 = cos_i * cos_i, sin2 = T(1) - cos2;
-  T eta2 = eta * eta, k2 = k * k;
+/// Unpolarised reflectance of a conductor with complex index eta + i k relative to the outside,
+/// from cos^2 of the angle of incidence. Born and Wolf, Principles of Optics, 14.2; F = (r_s + r_p)
+/// / 2 over a common denominator, so that one division and two roots a channel are left.
+template <class T>
+FACETA_INLINE T fresnel_conductor_squared(const T& cos2, const T& eta, const T& k) {
+  T sin2 = T(1) - cos2, eta2 = eta * eta, k2 = k * k;
   T difference = eta2 - k2 - sin2;
   T modulus = sqrt(fma(difference, difference, T(4) * eta2 * k2));
-  // Of a and b in a + i b = sqrt(eta'^2 - sin^2) the larger one is free of cancellation, and their
-  // product is eta k. Where b is the larger one everything is scaled by it, so that a b appears.
-  T larger = sqrt(T(0.5) * (modulus + abs(difference)));
+  // Of a and b in a + i b = sqrt((eta + i k)^2 - sin^2) the larger one is free of cancellation, and
+  // their product is eta k. Where b is the larger one everything is scaled by b cos.
+  T root = sqrt(max(T(0.5) * (modulus + abs(difference)) * cos2, T(1e-36f)));
   auto a_is_larger = difference >= T(0);
-  T scale = select(a_is_larger, T(1), larger), a = select(a_is_larger, larger, eta * k);
-  T s_even = (modulus + cos2) * scale, s_odd = T(2) * a * cos_i;
+  T scale = select(a_is_larger, T(1), root), a_cos = select(a_is_larger, root, eta * k * cos2);
+  T s_even = (modulus + cos2) * scale, s_odd = T(2) * a_cos;
   // The tiny summand keeps 0/0 away where eta = k = 0 at normal incidence.
   T p_even = fma(cos2, modulus, fma(sin2, sin2, T(1e-30f))) * scale, p_odd = s_odd * sin2;
   return (s_even - s_odd) * p_even / ((s_even + s_odd) * (p_even + p_odd));
 }
+/// The same from the cosine, in [0, 1].
+template <class T> FACETA_INLINE T fresnel_conductor(const T& cos_i, const T& eta, const T& k) {
+  return fresnel_conductor_squared(cos_i * cos_i, eta, k);
+}
+template <class T> FACETA_INLINE Color<T>
+fresnel_conductor_squared(const T& cos2, const Color<T>& eta, const Color<T>& k) {
+  return eta.map(k, [&](const T& e, const T& c) { return fresnel_conductor_squared(cos2, e, c); });
+}
 template <class T>
 FACETA_INLINE Color<T> fresnel_conductor(const T& cos_i, const Color<T>& eta, const Color<T>& k) {
-  return eta.map(k, [&](const T& e, const T& c) { return fresnel_conductor(cos_i, e, c); });
+  return fresnel_conductor_squared(cos_i * cos_i, eta, k);
 }
 
 /// Mean of a conductor's reflectance over the hemisphere, weighted by the cosine, to 6e-4: Gauss

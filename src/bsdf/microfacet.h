@@ -12,6 +12,29 @@
 
 namespace faceta {
 
+namespace detail {
+
+/// k exp(-s) for s >= 0.
+template <class T> FACETA_INLINE T times_exp_minus(const T& k, const T& s) {
+  return k * exp(-s);
+}
+/// The same without what exp() does for arguments that do not occur here; 1 ulp.
+template <SinglePrecision T> FACETA_INLINE T times_exp_minus(const T& k, const T& s) {
+  T x = min(s, T(130));
+  // Rounds x log2 e to an integer in the low bits of a float.
+  T shifted = fma(x, T(-1.44269504f), T(12582912.0f)), n = shifted - T(12582912.0f);
+  T r = fma(n, T(-1.42860677e-6f), fma(n, T(-0.693145752f), -x));
+  constexpr float c[] = {0.500000001f,  0.166666668f,   0.0416664645f,
+                         0.0083332859f, 0.00139337018f, 0.000199076563f};
+  T p = fma(polynomial(r, c), r * r, r) + T(1);
+  // 2^64 too large until the end: results may be smaller than the smallest normal number.
+  T scaled = bits_float(float_bits(p) + (float_bits(shifted) << 23) + IntOf<T>(64 << 23));
+  scaled = select(s < T(130), scaled, T(0));
+  return k * scaled * T(0x1p-64f);
+}
+
+} // namespace detail
+
 enum Distribution : int { kBeckmann = 0, kGgx = 1 };
 
 /// The uniform (never per lane) properties of a microfacet surface.
@@ -23,9 +46,11 @@ struct MicrofacetOptions {
 };
 
 /// Reflection without Fresnel: D G / (4 cos theta_o), |cos theta_i| included; its density; and the
-/// cosine between either direction and the half vector.
+/// squared cosine between either direction and the half vector.
 template <class T> struct MicrofacetReflection {
-  T value, pdf, cos_h;
+  T value, pdf, cos2_h;
+
+  FACETA_INLINE T cos_h() const { return sqrt(cos2_h); }
 };
 
 template <class T> struct Microfacet {
@@ -44,11 +69,12 @@ template <class T> struct Microfacet {
       T ratio = length2 / max(fma(m.z, m.z, fma(x, x, y * y)), T(1e-37));
       return inverse * T(kInvPi) * sqr(ratio);
     }
-    // True divisions: the exponential blows up each rounding of its argument.
-    T x = m.x / (alpha_u * m.z), y = m.y / (alpha_v * m.z);
+    // One division, of few roundings: the exponential blows up each of them.
+    T x = m.x * alpha_v, y = m.y * alpha_u, q = area * m.z;
+    T inverse = T(1) / max(q * q, T(1e-37));
     // Beyond the bound the exponential is 0, and 0 * inf must not arise.
-    T secant2 = min(length2 / (area * m.z * m.z), T(1e14));
-    return area * T(kInvPi) * sqr(secant2) * exp(-fma(x, x, y * y));
+    T secant2 = min(length2 * (area * inverse), T(1e14));
+    return detail::times_exp_minus(area * T(kInvPi) * sqr(secant2), fma(x, x, y * y) * inverse);
   }
 
   /// Smith's masking G1(w), the scene contract's: exact for GGX, Walter's rational fit (0.35 %) for
@@ -79,8 +105,10 @@ template <class T> struct Microfacet {
   }
   FACETA_INLINE T pdf_all(const Vec3<T>& m) const { return density(m) * m.z / length(m); }
 
-  /// A normal distributed as D(m) max(0, wo.m) / projected_area(wo). Any length.
-  FACETA_INLINE Vec3<T> sample_visible(const Vec3<T>& wo, const Vec2<T>& u) const {
+  /// A normal distributed as D(m) max(0, wo.m) / projected_area(wo). Any length. `more`: nothing,
+  /// or a third independent number, which saves time with Beckmann.
+  template <class... More> FACETA_INLINE Vec3<T> sample_visible(const Vec3<T>& wo, const Vec2<T>& u,
+                                                                const More&... more) const {
     if (options.distribution == kGgx)
       return sample_cap(wo, u, T(1));
     T r = roughness_towards(wo);
@@ -88,7 +116,7 @@ template <class T> struct Microfacet {
     T inverse = T(1) / max(r, T(1e-30)); // straight from above: cot = inf
     T c = select(tilted, alpha_u * wo.x * inverse, T(1)), s = alpha_v * wo.y * inverse;
     // Slopes of the unit surface along and across the direction of view.
-    Vec2<T> x = beckmann_visible_slopes(wo.z, r, u);
+    Vec2<T> x = BeckmannSlopes<T>(wo.z, r, u.x).draw(u.y, more...);
     return {alpha_u * fma(x.x, c, -(x.y * s)), alpha_v * fma(x.x, s, x.y * c), T(1)};
   }
   FACETA_INLINE T pdf_visible(const Vec3<T>& wo, const Vec3<T>& m) const {
@@ -96,19 +124,21 @@ template <class T> struct Microfacet {
   }
 
   /// A normal by the chosen rule, and the density it has.
-  FACETA_INLINE Vec3<T> sample_normal(const Vec3<T>& wo, const Vec2<T>& u) const {
-    return options.sample_visible ? sample_visible(wo, u) : sample_all(u);
+  template <class... More> FACETA_INLINE Vec3<T> sample_normal(const Vec3<T>& wo, const Vec2<T>& u,
+                                                               const More&... more) const {
+    return options.sample_visible ? sample_visible(wo, u, more...) : sample_all(u);
   }
   FACETA_INLINE T pdf_normal(const Vec3<T>& wo, const Vec3<T>& m) const {
     return options.sample_visible ? pdf_visible(wo, m) : pdf_all(m);
   }
 
   /// Samples the direction that the chosen normals reflect wo to; may fall below the surface (a
-  /// failure, part of reflection()'s density).
-  FACETA_INLINE Vec3<T> sample_reflection(const Vec3<T>& wo, const Vec2<T>& u) const {
+  /// failure, part of reflection()'s density). `more` as in sample_visible().
+  template <class... More> FACETA_INLINE Vec3<T>
+  sample_reflection(const Vec3<T>& wo, const Vec2<T>& u, const More&... more) const {
     Vec3<T> m = options.sample_visible && options.distribution == kGgx
                     ? sample_cap(wo, u, cap_bound(wo))
-                    : sample_normal(wo, u);
+                    : sample_normal(wo, u, more...);
     T scale = T(2) * dot(wo, m) / max(dot(m, m), T(1e-37));
     return fma(m, scale, -wo);
   }
@@ -129,8 +159,8 @@ template <class T> struct Microfacet {
       pdf = T(0.5) * d / fma(cap_bound(wo), wo.z, sqrt(fma(wo.z, wo.z, ro * ro)));
     else
       pdf = T(0.25) * d / projected_area(wo.z, ro);
-    T cos_h = min(T(0.5) * sqrt(length2), T(1)); // free of the cancellation in wo.(wo + wi)
-    return {select(above, value, T(0)), select(above, pdf, T(0)), cos_h};
+    T cos2_h = min(T(0.25) * length2, T(1)); // free of the cancellation in wo.(wo + wi)
+    return {select(above, value, T(0)), select(above, pdf, T(0)), cos2_h};
   }
 
 private:

@@ -83,7 +83,7 @@ template <class T> struct RoughConductor {
   FACETA_INLINE Eval<T> eval(const Vec3<T>& wo, const Vec3<T>& wi, const Context<T>&) const {
     MicrofacetReflection<T> r = surface().reflection(wo, wi);
     Eval<T> e;
-    e.value = specular_reflectance * fresnel_conductor(r.cos_h, eta, k) * r.value;
+    e.value = specular_reflectance * fresnel_conductor_squared(r.cos2_h, eta, k) * r.value;
     e.pdf = r.pdf;
     if (energy_compensation)
       add_multiple_scattering(e, wo, wi);
@@ -93,10 +93,11 @@ template <class T> struct RoughConductor {
   FACETA_INLINE Sample<T> sample(const Vec3<T>& wo, const Random<T>& random,
                                  const Context<T>& context) const {
     Sample<T> s;
-    s.wi = surface().sample_reflection(wo, random.u);
     if (energy_compensation) {
-      T lost = lookup().lost(wo);
-      s.wi = select(random.uc < lost, cosine_hemisphere(random.u), s.wi);
+      s.wi = select(random.uc < lookup().lost(wo), cosine_hemisphere(random.u),
+                    surface().sample_reflection(wo, random.u));
+    } else {
+      s.wi = surface().sample_reflection(wo, random.u, random.uc);
     }
     s.lobe = kReflection;
     s.valid = (wo.z > T(0)) & (s.wi.z > T(0));

@@ -79,7 +79,7 @@ template <class T> struct RoughPlastic {
   Eval<T> eval(const Vec3<T>& wo, const Vec3<T>& wi, const Context<T>&) const {
     auto above = (wo.z > T(0)) & (wi.z > T(0));
     MicrofacetReflection<T> coat = surface().reflection(wo, wi);
-    T f = fresnel_dielectric(coat.cos_h, eta_).reflectance;
+    T f = fresnel_dielectric(coat.cos_h(), eta_).reflectance;
     T to = transmittance.interpolate(wo.z, kNodes), ti = transmittance.interpolate(wi.z, kNodes);
     T cosine = select(above, wi.z * T(kInvPi), T(0));
     Choice lobe = choice(T(1) - to, to);

@@ -125,8 +125,8 @@ double slope_distribution(double a, double x) {
   return (antiderivative(x) - low) / (0.5 * a * std::sqrt(kPi) - low);
 }
 
-template <class T> std::vector<Vec2<double>> visible_slopes(double a, int count, uint64_t seed) {
-  std::mt19937_64 engine(seed);
+template <class T> std::vector<Vec2<double>> visible_slopes(double a, int count, bool three) {
+  std::mt19937_64 engine(three ? 7 : 8);
   std::uniform_real_distribution<double> uniform;
   double r = 1 / std::sqrt(1 + a * a);
   std::vector<Vec2<double>> slopes;
@@ -134,7 +134,9 @@ template <class T> std::vector<Vec2<double>> visible_slopes(double a, int count,
     // 24 bits, below 1 in float as well.
     T u = T(std::floor(uniform(engine) * 0x1p24) * 0x1p-24);
     T v = T(std::floor(uniform(engine) * 0x1p24) * 0x1p-24);
-    Vec2<T> s = beckmann_visible_slopes(T(a * r), T(r), {u, v});
+    BeckmannSlopes<T> magnitude(T(a * r), T(r), u);
+    Vec2<T> s = three ? magnitude.draw(v, T(std::floor(uniform(engine) * 0x1p24) * 0x1p-24))
+                      : magnitude.draw(v);
     slopes.push_back({double(s.x), double(s.y)});
   }
   return slopes;
@@ -152,9 +154,10 @@ double kolmogorov(std::vector<double> values) {
 TEST(Microfacet, BeckmannVisibleSlopesHaveTheirDistribution) {
   int count = 40000;
   for (double a : {1e-3, 0.05, 0.4, 1.0, 2.0, 5.0, 1000.0})
-    for (bool single : {false, true}) {
+    for (int rule = 0; rule < 4; ++rule) {
+      bool single = rule % 2, three = rule / 2;
       auto slopes =
-          single ? visible_slopes<float>(a, count, 7) : visible_slopes<double>(a, count, 8);
+          single ? visible_slopes<float>(a, count, three) : visible_slopes<double>(a, count, three);
       std::vector<double> along, across, product;
       double correlation = 0;
       for (auto& s : slopes) {
@@ -246,7 +249,7 @@ TEST(Microfacet, ReflectionIsItsFactors) {
       double g = s.masking_shadowing(wo, wi);
       EXPECT_NEAR(r.value, s.density(h) * g / (4 * wo.z), 1e-9 * r.value);
       EXPECT_NEAR(r.pdf, s.pdf_visible(wo, h) / (4 * dot(wo, h)), 1e-9 * r.pdf);
-      EXPECT_NEAR(r.cos_h, dot(wo, h), 1e-12);
+      EXPECT_NEAR(r.cos_h(), dot(wo, h), 1e-12);
       double lo = s.projected_area(wo) / wo.z - 1, li = s.projected_area(wi) / wi.z - 1;
       if (correlated)
         EXPECT_NEAR(g, 1 / (1 + lo + li), 1e-12);
