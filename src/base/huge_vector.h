@@ -9,8 +9,9 @@
 
 namespace faceta {
 
-/// Asks the system for huge pages for large blocks: what is looked up at random in tens of megabytes
-/// otherwise pays for an address translation with every access. Blocks start on cache lines.
+/// Asks the system for huge pages for large blocks: what is looked up at random in tens of
+/// megabytes otherwise pays for an address translation with every access. Blocks start on cache
+/// lines.
 template <class E> struct HugeAllocator {
   using value_type = E;
   HugeAllocator() = default;

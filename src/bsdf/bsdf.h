@@ -3,19 +3,20 @@
 /// THE CONTRACT between a surface-scattering model and everything that uses it.
 ///
 /// Directions are unit vectors in the local frame (z = shading normal) and both leave the surface:
-/// wo is known (towards the viewer), wi is sampled (towards the light). Values INCLUDE |cos theta_i|.
+/// wo is known (towards the viewer), wi is sampled (towards the light). Values INCLUDE
+/// |cos theta_i|.
 ///
 /// A model is a struct template over its number type T with
-///   template <class D> static void describe(D& d);             what everyone else asks (describe.h)
+///   template <class D> static void describe(D& d);      what everyone else asks: describe.h
 ///   Eval<T> eval(const Vec3<T>& wo, const Vec3<T>& wi, const Context<T>&) const;
 ///   Sample<T> sample(const Vec3<T>& wo, const Random<T>&, const Context<T>&) const;
 /// and optionally
 ///   void prepare();                          per lane, after textures were applied; cheap
 ///   void prepare_once(PrepareOnce&);         T = double only: tables and means, once per material
-///   static const char* validate(const Model<double>&);   what is wrong with a parameter set, or null
+///   static const char* validate(const Model<double>&);  null, or what is wrong with the parameters
 ///
-/// Nothing throws, allocates or locks inside eval, sample and prepare. Branch on parameters (choices,
-/// flags), never on a lane: select(mask, a, b).
+/// Nothing throws, allocates or locks inside eval, sample and prepare. Branch on parameters
+/// (choices, flags), never on a lane: select(mask, a, b).
 
 #include "base/vec.h"
 #include "spectrum/color.h"
@@ -41,8 +42,8 @@ template <class T> struct Eval {
 /// The kinds of lobe a sample can belong to.
 enum Lobe : int32_t { kNoLobe = 0, kReflection = 1, kTransmission = 2, kNullLobe = 4 };
 
-/// Uniform numbers in [0, 1): a pair for the direction, one for choices, and a counter-based key for
-/// models that need more.
+/// Uniform numbers in [0, 1): a pair for the direction, one for choices, and a counter-based key
+/// for models that need more.
 template <class T> struct Random {
   Vec2<T> u;
   T uc;
@@ -65,8 +66,12 @@ template <class T> struct Sample {
 
 // --- The local frame ---
 
-template <class T> FACETA_INLINE T cos_theta(const Vec3<T>& w) { return w.z; }
-template <class T> FACETA_INLINE T abs_cos_theta(const Vec3<T>& w) { return abs(w.z); }
+template <class T> FACETA_INLINE T cos_theta(const Vec3<T>& w) {
+  return w.z;
+}
+template <class T> FACETA_INLINE T abs_cos_theta(const Vec3<T>& w) {
+  return abs(w.z);
+}
 template <class T> FACETA_INLINE T sin_theta_squared(const Vec3<T>& w) {
   return fma(w.x, w.x, w.y * w.y);
 }
@@ -74,7 +79,9 @@ template <class T> FACETA_INLINE MaskOf<T> same_hemisphere(const Vec3<T>& a, con
   return a.z * b.z > T(0);
 }
 /// Mirror direction about the normal: (-x, -y, z).
-template <class T> FACETA_INLINE Vec3<T> reflect(const Vec3<T>& w) { return {-w.x, -w.y, w.z}; }
+template <class T> FACETA_INLINE Vec3<T> reflect(const Vec3<T>& w) {
+  return {-w.x, -w.y, w.z};
+}
 /// Mirror direction about h: -w + 2 (w.h) h.
 template <class T> FACETA_INLINE Vec3<T> reflect(const Vec3<T>& w, const Vec3<T>& h) {
   return fma(h, T(2) * dot(w, h), -w);

@@ -68,15 +68,15 @@ enum class ParamKind {
 struct ParamInfo {
   std::string name, unit, doc;
   ParamKind kind = ParamKind::scalar;
-  int slot = -1;      ///< first float slot (kinds with numbers)
-  int slots = 0;      ///< how many: 3 for colours
-  int choice = -1;    ///< index into the integer choices (choice, flag)
+  int slot = -1;   ///< first float slot (kinds with numbers)
+  int slots = 0;   ///< how many: 3 for colours
+  int choice = -1; ///< index into the integer choices (choice, flag)
   std::vector<std::string> choices;
   std::vector<double> defaults; ///< one per slot, or the choice
   std::string default_name;     ///< if the default has a name ("bk7", "none")
   Range hard, soft;             ///< outside hard: an error; soft: sliders, random tests
   bool textured = false;        ///< a texture may be bound
-  std::string excludes;         ///< comma-separated parameters that may not be given beside this one
+  std::string excludes; ///< comma-separated parameters that may not be given beside this one
   /// The scene contract clamps instead of refusing (alpha below 1e-4).
   bool clamps_low = false;
 };
@@ -112,8 +112,8 @@ struct Descriptor {
   std::vector<Exemplar> exemplars;
   std::vector<Excuse> excuses;
   Traits traits;
-  int slots = 0;   ///< floats per record, derived ones included
-  int choices = 0; ///< integers per record
+  int slots = 0;                ///< floats per record, derived ones included
+  int choices = 0;              ///< integers per record
   std::vector<int> table_slots; ///< slots that hold offsets into tables
 
   const ParamInfo* find(const std::string& param) const {
@@ -206,8 +206,8 @@ public:
     return *this;
   }
   auto& ior(const char* name, T M::* field, const char* default_name, const char* doc) {
-    ParamInfo& p = add(name, doc, ParamKind::ior, {defaults_.*field}, {1e-6, kInfinity}, {1, 2.5},
-                       "", false);
+    ParamInfo& p =
+        add(name, doc, ParamKind::ior, {defaults_.*field}, {1e-6, kInfinity}, {1, 2.5}, "", false);
     p.default_name = default_name;
     return *this;
   }

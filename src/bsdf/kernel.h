@@ -16,14 +16,14 @@ inline constexpr int kMaxSlots = 64;
 /// The parameters of n lanes: a program is a model with its choices; lanes may belong to different
 /// materials of that program, whose records are gathered.
 struct MaterialArgs {
-  const float* records = nullptr;        ///< slot k of record r is records[r * stride + k]
-  int32_t stride = 0;                    ///< floats per record
-  const int32_t* choices = nullptr;      ///< the model's choices and flags, the same for all lanes
-  const float* tables = nullptr;         ///< arena that the records' table offsets point into
-  uint64_t textured = 0;                 ///< slots taken from lane_slots instead of the record
+  const float* records = nullptr;   ///< slot k of record r is records[r * stride + k]
+  int32_t stride = 0;               ///< floats per record
+  const int32_t* choices = nullptr; ///< the model's choices and flags, the same for all lanes
+  const float* tables = nullptr;    ///< arena that the records' table offsets point into
+  uint64_t textured = 0;            ///< slots taken from lane_slots instead of the record
   const float* const* lane_slots = nullptr; ///< per slot: one value a lane (null unless textured)
-  const int32_t* rows = nullptr;         ///< record of each lane; null: all lanes use record 0
-  int32_t importance = 0;                ///< 1: transport of importance instead of radiance
+  const int32_t* rows = nullptr;            ///< record of each lane; null: all lanes use record 0
+  int32_t importance = 0;                   ///< 1: transport of importance instead of radiance
 };
 
 struct EvalArrays {

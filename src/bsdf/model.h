@@ -56,9 +56,9 @@ template <class D, class M, class T> struct FieldVisitor : DescribeIgnoringTexts
   }
 };
 
-/// Fills a model from MaterialArgs: from the common record, gathered from several, or from textures.
-template <class M, class T>
-struct RecordLoader : FieldVisitor<RecordLoader<M, T>, M, T> {
+/// Fills a model from MaterialArgs: from the common record, gathered from several, or from
+/// textures.
+template <class M, class T> struct RecordLoader : FieldVisitor<RecordLoader<M, T>, M, T> {
   const MaterialArgs& args;
   IntOf<T> offset; ///< rows * stride
   bool common;     ///< all lanes use the record at args.records + first

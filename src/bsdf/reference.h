@@ -74,14 +74,12 @@ private:
     return load_model<M, double>(record.args(), 0).eval(q.wo, q.wi, context<double>(q));
   }
   static Sample<double> sample(const Record& record, const Vec3<double>& wo,
-                               const Random<double>& random, TransportMode mode,
-                               Vec2<double> uv) {
+                               const Random<double>& random, TransportMode mode, Vec2<double> uv) {
     Context<double> c{mode, uv};
     return load_model<M, double>(record.args(), 0).sample(wo, random, c);
   }
-  template <class T>
-  static M<T> load_with(const Record& record, const std::vector<double>& slots,
-                        const std::vector<int>& active) {
+  template <class T> static M<T> load_with(const Record& record, const std::vector<double>& slots,
+                                           const std::vector<int>& active) {
     M<T> m;
     MaterialArgs args = record.args();
     RecordLoader<M<T>, T> loader(m, args, 0);
@@ -104,8 +102,8 @@ private:
   }
   static ReferenceJet eval_jet(const Record& record, const std::vector<double>& slots,
                                const std::vector<int>& active, const ReferenceQuery& q) {
-    Eval<J> e = load_with<J>(record, slots, active)
-                    .eval(convert<J>(q.wo), convert<J>(q.wi), context<J>(q));
+    Eval<J> e =
+        load_with<J>(record, slots, active).eval(convert<J>(q.wo), convert<J>(q.wi), context<J>(q));
     ReferenceJet r{};
     for (int i = 0; i < 4; ++i) {
       const J& j = i < 3 ? e.value[i] : e.pdf;
@@ -121,4 +119,6 @@ private:
 
 /// Defines `faceta::Model faceta_model_<symbol>()`.
 #define FACETA_MATERIAL_REFERENCE(symbol, Type)                                                    \
-  faceta::Model faceta_model_##symbol() { return faceta::ReferenceOf<Type>::make(); }
+  faceta::Model faceta_model_##symbol() {                                                          \
+    return faceta::ReferenceOf<Type>::make();                                                      \
+  }

@@ -21,7 +21,7 @@ struct alignas(64) TriangleRecord {
   float dpdu[3];             ///< tangent along u, not normalised (0: none; any tangent will do)
   int32_t material;          ///< root material
   int32_t light;             ///< light record, -1 if it does not emit
-  int32_t shape;       ///< index of the shape in the scene file | kSmoothTriangle
+  int32_t shape;             ///< index of the shape in the scene file | kSmoothTriangle
   float inverse_cross;       ///< 1 / |e1 x e2|, 0 if that is 0
   float n0[3], n1[3], n2[3]; ///< vertex normals (the face normal thrice where there are none)
   float uv0[2], uv1[2], uv2[2];

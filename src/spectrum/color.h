@@ -15,7 +15,9 @@ template <class T, int N = 3> struct Color {
     for (T& channel : c)
       channel = grey;
   }
-  FACETA_INLINE Color(const T& r, const T& g, const T& b) requires(N == 3) : c{r, g, b} {}
+  FACETA_INLINE Color(const T& r, const T& g, const T& b)
+    requires(N == 3)
+      : c{r, g, b} {}
 
   static constexpr int size() { return N; }
   FACETA_INLINE T& operator[](int i) { return c[i]; }
