@@ -100,8 +100,8 @@ void print_header(const std::vector<Isa>& isas) {
     for (Isa isa : isas)
       line += fmt::format("{:>8}", kIsaNames[static_cast<int>(isa)]);
   std::string calls(44, ' ');
-  for (int call = 0; call < kCalls; ++call)
-    calls += fmt::format("{:>{}}", kCallNames[call], 8 * isas.size());
+  for (const char* name : kCallNames)
+    calls += fmt::format("{:>{}}", name, 8 * isas.size());
   fmt::print("{}\n{}\n", calls, line);
 }
 

@@ -57,45 +57,45 @@ template <class T> struct EnergyCoordinates {
 template <class T> struct EnergyLookup {
   using Layout = EnergyTableLayout;
 
-  FACETA_INLINE EnergyLookup(const Table<T>& t, const T& alpha_u, const T& alpha_v) : table(t) {
-    roughness = sqrt(max(alpha_u, T(1e-4)) * max(alpha_v, T(1e-4)));
-    T own = table.at(IntOf<T>(0)), largest = table.at(IntOf<T>(1));
-    T below = roughness * T(Layout::kBelow) / own;
-    T above = T(Layout::kBelow) + (roughness - own) * T(Layout::kAbove) / (largest - own);
-    T position = clamp(select(roughness <= own, below, above), T(0), T(Layout::kRoughnesses - 1));
+  FACETA_INLINE EnergyLookup(const Table<T>& t, const T& alpha_u, const T& alpha_v) : table_(t) {
+    roughness_ = sqrt(max(alpha_u, T(1e-4)) * max(alpha_v, T(1e-4)));
+    T own = table_.at(IntOf<T>(0)), largest = table_.at(IntOf<T>(1));
+    T below = roughness_ * T(Layout::kBelow) / own;
+    T above = T(Layout::kBelow) + (roughness_ - own) * T(Layout::kAbove) / (largest - own);
+    T position = clamp(select(roughness_ <= own, below, above), T(0), T(Layout::kRoughnesses - 1));
     T whole = min(floor(position), T(Layout::kRoughnesses - 2));
-    fraction = position - whole;
-    index = to_int(whole);
+    fraction_ = position - whole;
+    index_ = to_int(whole);
   }
 
   /// 1 - albedo seen from w, in [0, 1].
   FACETA_INLINE T lost(const Vec3<T>& w) const {
-    EnergyCoordinates<T> c(w, roughness, table.at(IntOf<T>(2)), table.at(IntOf<T>(3)));
+    EnergyCoordinates<T> c(w, roughness_, table_.at(IntOf<T>(2)), table_.at(IntOf<T>(3)));
     T x = c.inclination * T(Layout::kInclinations - 1), y = c.azimuth * T(Layout::kAzimuths - 1);
     T xi = min(floor(x), T(Layout::kInclinations - 2));
     T yi = min(floor(y), T(Layout::kAzimuths - 2));
-    IntOf<T> i = IntOf<T>(Layout::kHeader) + index * IntOf<T>(Layout::kSlice) +
+    IntOf<T> i = IntOf<T>(Layout::kHeader) + index_ * IntOf<T>(Layout::kSlice) +
                  to_int(yi) * IntOf<T>(Layout::kInclinations) + to_int(xi);
     T rough[2];
     for (int k = 0; k < 2; ++k) {
       IntOf<T> j = i + IntOf<T>(k * Layout::kSlice);
-      T near = lerp(table.at(j), table.at(j + IntOf<T>(1)), x - xi);
+      T near = lerp(table_.at(j), table_.at(j + IntOf<T>(1)), x - xi);
       j = j + IntOf<T>(Layout::kInclinations);
-      T far = lerp(table.at(j), table.at(j + IntOf<T>(1)), x - xi);
+      T far = lerp(table_.at(j), table_.at(j + IntOf<T>(1)), x - xi);
       rough[k] = lerp(near, far, y - yi);
     }
-    return clamp01(lerp(rough[0], rough[1], fraction));
+    return clamp01(lerp(rough[0], rough[1], fraction_));
   }
   /// The mean of lost() over the hemisphere, weighted by the cosine.
   FACETA_INLINE T mean_lost() const {
-    IntOf<T> i = IntOf<T>(Layout::kMeans) + index;
-    return lerp(table.at(i), table.at(i + IntOf<T>(1)), fraction);
+    IntOf<T> i = IntOf<T>(Layout::kMeans) + index_;
+    return lerp(table_.at(i), table_.at(i + IntOf<T>(1)), fraction_);
   }
 
 private:
-  Table<T> table;
-  T roughness, fraction;
-  IntOf<T> index;
+  Table<T> table_;
+  T roughness_, fraction_;
+  IntOf<T> index_;
 };
 
 } // namespace faceta

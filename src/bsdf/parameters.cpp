@@ -27,7 +27,7 @@ std::vector<std::string_view> split(std::string_view text) {
   std::vector<std::string_view> parts;
   size_t begin = 0;
   while (begin <= text.size()) {
-    size_t end = text.find_first_of(",", begin);
+    size_t end = text.find(',', begin);
     if (end == std::string_view::npos)
       end = text.size();
     parts.push_back(text.substr(begin, end - begin));

@@ -17,7 +17,7 @@ void check_same_size(const Image& a, const Image& b) {
 }
 
 std::vector<std::string> common_channels(const Image& a, const Image& b) {
-  const std::vector<std::string> rgb{"R", "G", "B"};
+  std::vector<std::string> rgb{"R", "G", "B"};
   const auto in_both = [&](const std::string& c) { return a.find_channel(c) && b.find_channel(c); };
   if (std::all_of(rgb.begin(), rgb.end(), in_both))
     return rgb;
