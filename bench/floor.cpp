@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <bit>
+#include <cstdio>
 #include <filesystem>
 #include <fmt/core.h>
 #include <map>
@@ -234,25 +235,25 @@ int run(const Options& options) {
 } // namespace faceta::bench
 
 int main(int argc, char** argv) {
-  faceta::bench::Options options;
-  CLI::App app("Render time over the time that Embree alone takes for the same rays.");
-  app.add_option("--shared", options.shared, "folder of the third-party scenes")->required();
-  app.add_option("--scenes", options.scenes, "folder of our own scenes")->required();
-  app.add_option("--json", options.json, "write the numbers to this file");
-  app.add_option("--only", options.only, "cornell-box, veach-ajar, living-room or gallery");
-  app.add_option("--isa", options.isas, "scalar, v3, v4 (default: the best of this CPU)");
-  app.add_option("--sampler", options.sampler, "independent or sobol (default: the scene's)")
-      ->check(CLI::IsMember({"independent", "sobol"}));
-  app.add_option("--rounds", options.rounds)->capture_default_str()->check(CLI::Range(1, 1000));
-  app.add_option("--spp", options.spp, "samples per pixel (default: by time and memory)")
-      ->check(CLI::Range(1, 1024));
-  app.add_option("--seconds", options.seconds, "about what one render should take")
-      ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
   try {
+    faceta::bench::Options options;
+    CLI::App app("Render time over the time that Embree alone takes for the same rays.");
+    app.add_option("--shared", options.shared, "folder of the third-party scenes")->required();
+    app.add_option("--scenes", options.scenes, "folder of our own scenes")->required();
+    app.add_option("--json", options.json, "write the numbers to this file");
+    app.add_option("--only", options.only, "cornell-box, veach-ajar, living-room or gallery");
+    app.add_option("--isa", options.isas, "scalar, v3, v4 (default: the best of this CPU)");
+    app.add_option("--sampler", options.sampler, "independent or sobol (default: the scene's)")
+        ->check(CLI::IsMember({"independent", "sobol"}));
+    app.add_option("--rounds", options.rounds)->capture_default_str()->check(CLI::Range(1, 1000));
+    app.add_option("--spp", options.spp, "samples per pixel (default: by time and memory)")
+        ->check(CLI::Range(1, 1024));
+    app.add_option("--seconds", options.seconds, "about what one render should take")
+        ->capture_default_str();
+    CLI11_PARSE(app, argc, argv);
     return faceta::bench::run(options);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "bench_floor: {}\n", error.what());
+    std::fprintf(stderr, "bench_floor: %s\n", error.what());
     return 3;
   }
 }

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <fmt/core.h>
 #include <numbers>
 #include <random>
@@ -167,18 +168,18 @@ int run(const Options& options) {
 } // namespace faceta::bench
 
 int main(int argc, char** argv) {
-  faceta::bench::Options options;
-  CLI::App app("Nanoseconds per eval and sample of every model and instruction set.");
-  app.add_option("--json", options.json, "write the numbers to this file");
-  app.add_option("--only", options.only, "this model alone");
-  app.add_option("--exemplars", options.exemplars, "parameter sets of a model (the first ones)")
-      ->capture_default_str();
-  app.add_option("--budget", options.budget, "seconds a number")->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
   try {
+    faceta::bench::Options options;
+    CLI::App app("Nanoseconds per eval and sample of every model and instruction set.");
+    app.add_option("--json", options.json, "write the numbers to this file");
+    app.add_option("--only", options.only, "this model alone");
+    app.add_option("--exemplars", options.exemplars, "parameter sets of a model (the first ones)")
+        ->capture_default_str();
+    app.add_option("--budget", options.budget, "seconds a number")->capture_default_str();
+    CLI11_PARSE(app, argc, argv);
     return faceta::bench::run(options);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "bench_materials: {}\n", error.what());
+    std::fprintf(stderr, "bench_materials: %s\n", error.what());
     return 3;
   }
 }
