@@ -241,8 +241,9 @@ FACETA_INLINE RectangleView<T> view_rectangle(const LightLanes<T>& l, const Vec3
   r.k = select(k < T(0), -k, T(2 * kPi) - k);
   Vec2<T> all_four = times(g01, g23);
   T s = atan2(all_four.y, all_four.x);
-  // A little below 0 is a rectangle seen edge-on, not one that fills the hemisphere.
-  s = select(s < T(-0.02f), s + T(2 * kPi), s);
+  // Only above the rectangle more than pi is seen of it; elsewhere a sum below 0 is rounding.
+  auto above = (r.x0 < T(0)) & (r.x1 > T(0)) & (r.y0 < T(0)) & (r.y1 > T(0));
+  s = select((s < T(0)) & above, s + T(2 * kPi), s);
   // Below this the sum of four angles has lost its digits; the area is then uniform enough.
   r.solid_angle = select((s > T(0.02f)) & (r.z0 < T(0)), s, T(0));
   return r;
