@@ -242,8 +242,11 @@ FACETA_INLINE RectangleView<T> view_rectangle(const LightLanes<T>& l, const Vec3
   Vec2<T> all_four = times(g01, g23);
   T s = atan2(all_four.y, all_four.x);
   // Only above the rectangle more than pi is seen of it; elsewhere a sum below 0 is rounding.
-  auto above = (r.x0 < T(0)) & (r.x1 > T(0)) & (r.y0 < T(0)) & (r.y1 > T(0));
-  s = select((s < T(0)) & above, s + T(2 * kPi), s);
+  // Nearer to it than to its edges 2.09 at least is seen: a small sum is then 2 pi that was
+  // rounded.
+  T inside = min(min(-r.x0, r.x1), min(-r.y0, r.y1));
+  auto more = ((inside > T(0)) & (s < T(0))) | ((inside > -r.z0) & (s < T(1)));
+  s = select(more, s + T(2 * kPi), s);
   // Below this the sum of four angles has lost its digits; the area is then uniform enough.
   r.solid_angle = select((s > T(0.02f)) & (r.z0 < T(0)), s, T(0));
   return r;
