@@ -66,7 +66,7 @@ template <class T> struct DielectricFresnel {
 /// far side over that of the near side, eta_ti its inverse.
 template <class T> FACETA_INLINE DielectricFresnel<T>
 fresnel_dielectric_between(const T& cos_i, const T& cos_t, const T& eta_it, const T& eta_ti) {
-  T c = cos_i, t = cos_t;
+  const T &c = cos_i, &t = cos_t;
   T p = eta_it * t, q = eta_it * c;
   T s_difference = c - p, s_sum = c + p, p_difference = t - q, p_sum = t + q;
   T x = s_difference * p_sum, y = p_difference * s_sum, z = s_sum * p_sum;

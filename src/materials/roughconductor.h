@@ -47,7 +47,7 @@ template <class T> struct RoughConductor {
               "masking and shadowing correlated by height")
         .flag("bounded_sampling", &M::bounded_sampling,
               "GGX: sample only the visible normals that may reflect upwards")
-        .table(&M::energy)
+        .table(&M::energy_)
         .traits({.lobes = kReflection})
         .exemplar("gold of the course", {{"material", "gold"}, {"alpha", "0.15"}})
         .exemplar("almost a mirror", {{"material", "gold"}, {"alpha", "0.001"}})
@@ -77,7 +77,7 @@ template <class T> struct RoughConductor {
     requires std::is_same_v<T, double>
   {
     if (energy_compensation)
-      energy = context.add_table(make_energy_table(surface().options, alpha_u, alpha_v));
+      energy_ = context.add_table(make_energy_table(surface().options, alpha_u, alpha_v));
   }
 
   FACETA_INLINE Eval<T> eval(const Vec3<T>& wo, const Vec3<T>& wi, const Context<T>&) const {
@@ -106,12 +106,12 @@ template <class T> struct RoughConductor {
   }
 
 private:
-  Table<T> energy;
+  Table<T> energy_;
 
   FACETA_INLINE Microfacet<T> surface() const {
     return {{distribution, sample_visible, height_correlated, bounded_sampling}, alpha_u, alpha_v};
   }
-  FACETA_INLINE EnergyLookup<T> lookup() const { return {energy, alpha_u, alpha_v}; }
+  FACETA_INLINE EnergyLookup<T> lookup() const { return {energy_, alpha_u, alpha_v}; }
 
   /// Kulla and Conty's lobe (1 - E(wo)) (1 - E(wi)) / (pi (1 - Eavg)), coloured by the Fresnel
   /// reflectance of all further bounces; sampled with probability 1 - E(wo).
