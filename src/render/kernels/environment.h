@@ -66,13 +66,20 @@ FACETA_INLINE EnvironmentLight<T> environment_light(const EnvironmentView& e, co
   return light;
 }
 
+/// The leaf that `choice` meets first, before its alias is looked at.
+template <class T>
+FACETA_INLINE IntOf<T> environment_leaf(const EnvironmentView& e, const Vec2<T>& choice) {
+  using I = IntOf<T>;
+  return min(to_int(choice.x * T(float(e.leaf_count))), I(e.leaf_count - 1));
+}
+
 /// Where on the image `choice` (rectangle, alias) and `place` (inside it) lead, in cells.
 template <class T> FACETA_INLINE Vec2<T>
 choose_environment_place(const EnvironmentView& e, const Vec2<T>& choice, const Vec2<T>& place) {
   using I = IntOf<T>;
   const float* words = reinterpret_cast<const float*>(e.leaves);
   const int32_t* integers = reinterpret_cast<const int32_t*>(e.leaves);
-  I leaf = min(to_int(choice.x * T(float(e.leaf_count))), I(e.leaf_count - 1)) << 3;
+  I leaf = environment_leaf(e, choice) << 3;
   auto keep = choice.y < gather<T>(words, leaf);
   leaf = leaf + select(keep, I(1), I(2));
   I origin = gather_int<T>(integers, leaf), size = gather_int<T>(integers + 2, leaf);

@@ -3,6 +3,7 @@
 /// Handing rays to Embree in the packets it likes best, and taking hits back.
 
 #include "render/job.h"
+#include "render/kernels/environment.h"
 #include "render/kernels/rows.h"
 #include "render/kernels/surface.h"
 
@@ -10,8 +11,23 @@
 
 namespace faceta {
 
-/// Memory fetched ahead for a hit: Embree has just emptied the caches.
-FACETA_INLINE void prefetch_hit(const SceneView& scene, int32_t code) {
+/// What a packet's hits are written to, and the places on the environment (in cells; null: none)
+/// that the vertices there will sample.
+struct HitArrays {
+  int32_t* codes;
+  float* distances;
+  const float *place_x, *place_y;
+
+  FACETA_INLINE HitArrays from(int i) const {
+    return {codes + i, distances + i, place_x ? place_x + i : nullptr,
+            place_y ? place_y + i : nullptr};
+  }
+};
+
+/// Fetches ahead what shading hit k will read: Embree has just emptied the caches, and while it
+/// traces the next packet there is time.
+FACETA_INLINE void prefetch_hit(const SceneView& scene, const HitArrays& hits, int k) {
+  int32_t code = hits.codes[k];
   if (code == kNoHit)
     return;
   const char* record = code >= kQuadricHit
@@ -19,6 +35,9 @@ FACETA_INLINE void prefetch_hit(const SceneView& scene, int32_t code) {
                            : reinterpret_cast<const char*>(scene.triangles + code);
   __builtin_prefetch(record);
   __builtin_prefetch(record + 64);
+  const EnvironmentView& e = scene.environment;
+  if (hits.place_x)
+    __builtin_prefetch(e.cells + environment_cell_at(e, hits.place_x[k], hits.place_y[k]));
 }
 
 FACETA_INLINE int32_t hit_code(uint32_t geometry, uint32_t primitive) {
@@ -41,22 +60,21 @@ FACETA_INLINE RTCRayHit make_ray(const float* o, const float* d, float near, flo
 }
 
 /// Closest hits of the rays in path rows (origin, direction in words 0 to 5).
-inline void trace_rows(const SceneView& scene, const float* rows, int n, int32_t* codes,
-                       float* distances) {
+inline void trace_rows(const SceneView& scene, const float* rows, int n, const HitArrays& hits) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   for (int i = 0; i < n; ++i) {
     const float* row = rows + 16 * i;
     RTCRayHit r = make_ray(row, row + 3, 0.0f, __builtin_inff());
     rtcIntersect1(scene.embree, &context, &r);
-    codes[i] = hit_code(r.hit.geomID, r.hit.primID);
-    distances[i] = r.ray.tfar;
-    prefetch_hit(scene, codes[i]);
+    hits.codes[i] = hit_code(r.hit.geomID, r.hit.primID);
+    hits.distances[i] = r.ray.tfar;
+    prefetch_hit(scene, hits, i);
   }
 }
 
-inline void trace_camera(const SceneView& scene, const RayArrays& rays, int n, int32_t* codes,
-                         float* distances) {
+inline void trace_camera(const SceneView& scene, const RayArrays& rays, int n,
+                         const HitArrays& hits) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   for (int i = 0; i < n; ++i) {
@@ -67,9 +85,9 @@ inline void trace_camera(const SceneView& scene, const RayArrays& rays, int n, i
     }
     RTCRayHit r = make_ray(o, d, rays.near[i], rays.far[i]);
     rtcIntersect1(scene.embree, &context, &r);
-    codes[i] = hit_code(r.hit.geomID, r.hit.primID);
-    distances[i] = r.ray.tfar;
-    prefetch_hit(scene, codes[i]);
+    hits.codes[i] = hit_code(r.hit.geomID, r.hit.primID);
+    hits.distances[i] = r.ray.tfar;
+    prefetch_hit(scene, hits, i);
   }
 }
 
@@ -98,17 +116,17 @@ FACETA_INLINE __m256i packet_mask(int remaining) {
 /// Codes and distances of eight hits; prefetches what they point at.
 FACETA_INLINE void take_hits(const SceneView& scene, const uint32_t* geometry,
                              const uint32_t* primitive, const float* far, __m256i valid,
-                             int32_t* codes, float* distances) {
+                             const HitArrays& hits) {
   __m256i g = _mm256_load_si256(reinterpret_cast<const __m256i*>(geometry));
   __m256i p = _mm256_load_si256(reinterpret_cast<const __m256i*>(primitive));
   __m256i none = _mm256_set1_epi32(-1);
   __m256i quadric = _mm256_cmpeq_epi32(g, _mm256_set1_epi32(1));
   p = _mm256_add_epi32(p, _mm256_and_si256(quadric, _mm256_set1_epi32(kQuadricHit)));
   __m256i miss = _mm256_or_si256(_mm256_cmpeq_epi32(g, none), _mm256_xor_si256(valid, none));
-  _mm256_storeu_si256(reinterpret_cast<__m256i*>(codes), _mm256_or_si256(p, miss));
-  _mm256_storeu_ps(distances, _mm256_load_ps(far));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(hits.codes), _mm256_or_si256(p, miss));
+  _mm256_storeu_ps(hits.distances, _mm256_load_ps(far));
   for (int k = 0; k < 8; ++k)
-    prefetch_hit(scene, codes[k]);
+    prefetch_hit(scene, hits, k);
 }
 
 template <class Packet> FACETA_INLINE void init_ray_hits(Packet& p, int width) {
@@ -119,8 +137,7 @@ template <class Packet> FACETA_INLINE void init_ray_hits(Packet& p, int width) {
   std::memset(p.hit.instID[0], 0xff, 4 * width);
 }
 
-inline void trace_rows(const SceneView& scene, const float* rows, int n, int32_t* codes,
-                       float* distances) {
+inline void trace_rows(const SceneView& scene, const float* rows, int n, const HitArrays& hits) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRayHit8 p;
@@ -142,13 +159,12 @@ inline void trace_rows(const SceneView& scene, const float* rows, int n, int32_t
     _mm256_store_ps(p.ray.tfar, _mm256_set1_ps(__builtin_inff()));
     std::memset(p.hit.geomID, 0xff, sizeof p.hit.geomID);
     rtcIntersect8(valid, scene.embree, &context, &p);
-    take_hits(scene, p.hit.geomID, p.hit.primID, p.ray.tfar, packet_mask(n - i), codes + i,
-              distances + i);
+    take_hits(scene, p.hit.geomID, p.hit.primID, p.ray.tfar, packet_mask(n - i), hits.from(i));
   }
 }
 
-inline void trace_camera(const SceneView& scene, const RayArrays& rays, int n, int32_t* codes,
-                         float* distances) {
+inline void trace_camera(const SceneView& scene, const RayArrays& rays, int n,
+                         const HitArrays& hits) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -172,7 +188,7 @@ inline void trace_camera(const SceneView& scene, const RayArrays& rays, int n, i
     rtcIntersect16(valid, scene.embree, &context, &p);
     for (int k = 0; k < kWidth; k += 8)
       take_hits(scene, p.hit.geomID + k, p.hit.primID + k, p.ray.tfar + k, packet_mask(n - i - k),
-                codes + i + k, distances + i + k);
+                hits.from(i + k));
   }
 }
 

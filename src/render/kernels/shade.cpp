@@ -7,22 +7,28 @@ constexpr int kPoolRows = kPoolSize + Wavefront::kPad;
 constexpr int kShadowStride = kPoolRows;
 // Pairs of random numbers: the film takes pair 0, each vertex five.
 constexpr int kPairsPerVertex = 5;
+
+Wavefront::I first_pair(const Wavefront::I& depth) {
+  return Wavefront::I(1) + depth * Wavefront::I(kPairsPerVertex);
+}
 } // namespace
 
 void Wavefront::shade_class(const ClassView& c, const int32_t* order, int n) {
+  // While a group is shaded, the memory that the next one needs is on its way.
+  Group groups[2];
+  begin_group(c, order, n, groups[0]);
   for (int i = 0; i < n; i += W) {
-    // Idle lanes of the last group repeat its first path.
-    alignas(64) int32_t group[W];
-    for (int k = 0; k < W; ++k)
-      group[k] = order[i + k < n ? i + k : i];
-    shade_group(c, group, min(W, n - i));
+    int k = (i / W) & 1;
+    if (i + W < n)
+      begin_group(c, order + i + W, n - i - W, groups[k ^ 1]);
+    shade_group(c, groups[k]);
   }
   counters_.vertices += n;
   counters_.groups += (n + W - 1) / W;
 }
 
-SurfaceLanes<Lanes> Wavefront::surface(const int32_t* order, const PathLanes& path,
-                                       bool need_uv) const {
+SurfaceLanes<Lanes> Wavefront::surface_points(const int32_t* order, const PathLanes& path,
+                                              bool need_uv) const {
   alignas(64) int32_t codes[W];
   alignas(64) float distances[W];
   bool quadrics = false, triangles = false;
@@ -80,11 +86,20 @@ Color<Lanes> Wavefront::emission(const PathLanes& path, const SurfaceLanes<T>& s
   return select(lit, path.throughput * radiance * weight, Color<T>(T(0)));
 }
 
-/// Where the vertices at these dimensions sample the environment.
-Vec2<Lanes> Wavefront::environment_places(const SampleStream<T>& stream, const I& dimension) const {
-  Vec2<T> choice = stream.pair(as_uint(dimension + I(4)));
-  Vec2<T> place = stream.pair(as_uint(dimension));
-  return choose_environment_place(scene_.environment, choice, place);
+SampleStream<Lanes> Wavefront::stream_of(const PathLanes& path) const {
+  const RenderSettings& settings = job_.settings;
+  return SampleStream<T>(as_uint(path.pixel), as_uint(path.sample), settings.seed,
+                         settings.sampler == SamplerType::sobol);
+}
+
+/// Where the vertices at these dimensions sample the environment: first the part of it ...
+Vec2<Lanes> Wavefront::environment_choice(const SampleStream<T>& stream, const I& dimension) const {
+  return stream.pair(as_uint(dimension + I(4)));
+}
+/// ... then the place in there.
+Vec2<Lanes> Wavefront::environment_place(const SampleStream<T>& stream, const I& dimension,
+                                         const Vec2<T>& choice) const {
+  return choose_environment_place(scene_.environment, choice, stream.pair(as_uint(dimension)));
 }
 
 Wavefront::LightSample Wavefront::sample_lights(const SurfaceLanes<T>& s,
@@ -140,12 +155,37 @@ Wavefront::LightSample Wavefront::sample_lights(const SurfaceLanes<T>& s,
   return r;
 }
 
-void Wavefront::shade_group(const ClassView& c, const int32_t* order, int n) {
-  const RenderSettings& settings = job_.settings;
-  M active = first_lanes<T>(n);
-  PathLanes path = load_paths(order);
+/// The first of n paths in the order, at most W.
+void Wavefront::begin_group(const ClassView& c, const int32_t* order, int n, Group& g) const {
+  // Idle lanes repeat the first path.
+  alignas(64) int32_t group[W];
+  for (int k = 0; k < W; ++k)
+    group[k] = order[k < n ? k : 0];
+  g.active = first_lanes<T>(n);
+  g.path = load_paths(group);
   bool untextured = c.single && (c.leaf.program < 0 || !scene_.programs[c.leaf.program].textured);
-  SurfaceLanes<T> s = surface(order, path, !untextured);
+  g.surface = surface_points(group, g.path, !untextured);
+  shader_.prefetch(c, g.surface.material, g.surface.uv, g.active);
+  g.place = g.next_choice = {T(0), T(0)};
+  const EnvironmentView& e = scene_.environment;
+  if (e.columns) {
+    I index = load_int<T>(group);
+    g.place = {gather<T>(places_, index), gather<T>(places_ + kPoolRows, index)};
+    g.next_choice = environment_choice(stream_of(g.path), first_pair(g.path.depth + I(1)));
+    store(group, environment_leaf(e, g.next_choice));
+    for (int k = 0; k < W; ++k)
+      __builtin_prefetch(e.leaves + group[k]);
+    store(group, environment_cell_at(e, g.place.x, g.place.y));
+    for (int k = 0; k < W; ++k)
+      __builtin_prefetch(e.cells + group[k]);
+  }
+}
+
+void Wavefront::shade_group(const ClassView& c, Group& g) {
+  const RenderSettings& settings = job_.settings;
+  const PathLanes& path = g.path;
+  const SurfaceLanes<T>& s = g.surface;
+  M active = g.active;
   if (settings.hide_emitters) {
     M hidden = active & (path.depth == I(0)) & (s.light >= I(0));
     if (any(hidden))
@@ -158,9 +198,8 @@ void Wavefront::shade_group(const ClassView& c, const int32_t* order, int n) {
   if (none(active))
     return;
 
-  SampleStream<T> stream(as_uint(path.pixel), as_uint(path.sample), settings.seed,
-                         settings.sampler == SamplerType::sobol);
-  I dimension = I(1) + path.depth * I(kPairsPerVertex);
+  SampleStream<T> stream = stream_of(path);
+  I dimension = first_pair(path.depth);
   ShadingQuery<T> q;
   q.wo = s.frame.to_local(-path.d);
   q.uv = s.uv;
@@ -186,12 +225,7 @@ void Wavefront::shade_group(const ClassView& c, const int32_t* order, int n) {
                 !delta_only && any(use_light);
   LightSample l;
   if (lights) {
-    Vec2<T> place{T(0), T(0)};
-    if (scene_.environment.columns) {
-      I index = load_int<T>(order);
-      place = {gather<T>(places_, index), gather<T>(places_ + kPoolRows, index)};
-    }
-    l = sample_lights(s, stream, dimension, place);
+    l = sample_lights(s, stream, dimension, g.place);
     q.wi_light = s.frame.to_local(l.direction);
   }
   ShadingResult<T> r = shader_.shade(c, q);
@@ -204,7 +238,7 @@ void Wavefront::shade_group(const ClassView& c, const int32_t* order, int n) {
     M useful = use_light & l.valid & (max_component(contribution) > T(0));
     queue_shadow(s, l, contribution, path.slot, useful);
   }
-  continue_paths(path, s, r.sample, stream, dimension, use_bsdf);
+  continue_paths(path, s, r.sample, stream, dimension, g.next_choice, use_bsdf);
 }
 
 /// The camera does not see emitters that are hidden: its rays go on behind them, unchanged.
@@ -212,10 +246,10 @@ void Wavefront::see_through(const PathLanes& path, const SurfaceLanes<T>& s, M m
   Vec3<T> o = offset_origin(s, path.d, T(scene_scale_));
   store_paths(path, o, path.d, path.pdf, path.eta, path.throughput, path.depth, I(0), mask);
   if (scene_.environment.columns) {
-    SampleStream<T> stream(as_uint(path.pixel), as_uint(path.sample), job_.settings.seed,
-                           job_.settings.sampler == SamplerType::sobol);
-    int first = next_count_ - count(mask);
-    store_places(environment_places(stream, I(1)), first, mask);
+    SampleStream<T> stream = stream_of(path);
+    I dimension = first_pair(I(0));
+    Vec2<T> place = environment_place(stream, dimension, environment_choice(stream, dimension));
+    store_places(place, next_count_ - count(mask), mask);
   }
 }
 
@@ -277,7 +311,7 @@ void Wavefront::queue_shadow(const SurfaceLanes<T>& s, const LightSample& l,
 
 void Wavefront::continue_paths(const PathLanes& path, const SurfaceLanes<T>& s,
                                const Sample<T>& sample, const SampleStream<T>& stream,
-                               const I& dimension, M active) {
+                               const I& dimension, const Vec2<T>& next_choice, M active) {
   Vec3<T> d = s.frame.to_world(sample.wi);
   // Of length 1 but for rounding: one Newton step keeps long chains of mirrors from drifting.
   d = d * fma(T(-0.5f), dot(d, d), T(1.5f));
@@ -298,7 +332,7 @@ void Wavefront::continue_paths(const PathLanes& path, const SurfaceLanes<T>& s,
   Vec3<T> o = offset_origin(s, d, T(scene_scale_));
   T pdf = select(sample.delta, T(-1), sample.pdf);
   if (scene_.environment.columns)
-    store_places(environment_places(stream, dimension + I(kPairsPerVertex)), next_count_, alive);
+    store_places(environment_place(stream, first_pair(depth), next_choice), next_count_, alive);
   I normal = scene_.light_nodes[0].child >= 0 ? pack_normal(s.frame.n) : I(0);
   store_paths(path, o, d, pdf, eta, throughput, depth, normal, alive);
 }

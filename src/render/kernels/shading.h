@@ -33,14 +33,46 @@ public:
 
   ShadingResult<T> shade(const ClassView& c, const ShadingQuery<T>& q) {
     if (c.single)
-      return run_leaf(c.leaf, gather_int<T>(&scene_.roots[0].row, q.root * IntOf<T>(kRootWords)), q,
-                      q.uc, true);
+      return run_leaf(c.leaf, root_rows(q.root), q, q.uc, true);
     return shade_tree(scene_.roots[c.first_root], q);
+  }
+
+  /// Fetches ahead the textures that shade() will read.
+  void prefetch(const ClassView& c, const IntOf<T>& root, const Vec2<T>& uv,
+                MaskOf<T> active) const {
+    if (c.single) {
+      prefetch_leaf(c.leaf, root_rows(root), uv, active);
+      return;
+    }
+    const RootView& r = scene_.roots[c.first_root];
+    for (int i = 0; i < r.leaves; ++i) {
+      const LeafView& leaf = scene_.leaves[r.first_leaf + i];
+      for (int k = 0; k < leaf.weights; ++k)
+        prefetch_textures<T>(scene_.textures,
+                             IntOf<T>(scene_.weights[leaf.first_weight + k].texture), uv, active);
+      prefetch_leaf(leaf, IntOf<T>(leaf.row), uv, active);
+    }
   }
 
 private:
   static constexpr int kWidth = kWidthOf<T>;
   static constexpr int kRootWords = sizeof(RootView) / 4;
+
+  void prefetch_leaf(const LeafView& leaf, const IntOf<T>& row, const Vec2<T>& uv,
+                     MaskOf<T> active) const {
+    if (leaf.program < 0)
+      return;
+    const ProgramView& p = scene_.programs[leaf.program];
+    for (int k = 0; k < p.texture_slots; ++k)
+      prefetch_textures<T>(scene_.textures, texture_ids(p, k, row), uv, active);
+  }
+  /// The record of each lane's root, where that is a single leaf.
+  IntOf<T> root_rows(const IntOf<T>& root) const {
+    return gather_int<T>(&scene_.roots[0].row, root * IntOf<T>(kRootWords));
+  }
+  static IntOf<T> texture_ids(const ProgramView& p, int k, const IntOf<T>& row) {
+    return gather_int<T>(p.textures + k, row * IntOf<T>(p.texture_slots));
+  }
 
   /// One leaf. Directions are mirrored into its side and back.
   ShadingResult<T> run_leaf(const LeafView& leaf, const IntOf<T>& row, const ShadingQuery<T>& q,
@@ -110,10 +142,8 @@ private:
   }
 
   void bind_textures(const ProgramView& p, const IntOf<T>& row, const ShadingQuery<T>& q) {
-    using I = IntOf<T>;
     for (int k = 0; k < p.texture_slots; ++k) {
-      I ids = gather_int<T>(p.textures + k, row * I(p.texture_slots));
-      Color<T> c = evaluate_textures<T>(scene_.textures, ids, q.uv, q.active);
+      Color<T> c = evaluate_textures<T>(scene_.textures, texture_ids(p, k, row), q.uv, q.active);
       const TextureSlot& slot = p.slots[k];
       if (slot.count == 3)
         for (int i = 0; i < 3; ++i)

@@ -41,11 +41,22 @@ template <class T> FACETA_INLINE IntOf<T> wrap_texel(const IntOf<T>& i, int size
   return rest;
 }
 
+/// The texture's own coordinates at uv.
+template <class T> FACETA_INLINE Vec2<T> texture_place(const TextureView& t, const Vec2<T>& uv) {
+  return {fma(T(t.to_uv[0]), uv.x, fma(T(t.to_uv[1]), uv.y, T(t.to_uv[2]))),
+          fma(T(t.to_uv[3]), uv.x, fma(T(t.to_uv[4]), uv.y, T(t.to_uv[5])))};
+}
+
+/// Where texel (x, y) lies, in texels: tiles of 4 x 4.
+template <class I> FACETA_INLINE I texel_index(const TextureView& t, const I& x, const I& y) {
+  I tile = (y >> 2) * I(t.tiles_x) + (x >> 2);
+  return (tile << 4) + ((y & I(3)) << 2) + (x & I(3));
+}
+
 template <class T>
 FACETA_INLINE Color<T> fetch_texel(const TextureView& t, const IntOf<T>& x, const IntOf<T>& y) {
   using I = IntOf<T>;
-  I tile = (y >> 2) * I(t.tiles_x) + (x >> 2);
-  I index = (tile << 4) + ((y & I(3)) << 2) + (x & I(3));
+  I index = texel_index(t, x, y);
   if (t.type == TextureType::bitmap8) {
     I texel = gather_int<T>(reinterpret_cast<const int32_t*>(t.texels8), index);
     I r = texel & I(255), g = (texel >> 8) & I(255), b = (texel >> 16) & I(255);
@@ -60,28 +71,46 @@ FACETA_INLINE Color<T> fetch_texel(const TextureView& t, const IntOf<T>& x, cons
                   gather<T>(t.texels + 2, word));
 }
 
-template <class T> FACETA_INLINE Color<T> bitmap_texture(const TextureView& t, const Vec2<T>& st) {
-  using I = IntOf<T>;
-  // Beyond +-2^20 texels single precision has no fractions left.
-  T limit = T(0x1p20f);
-  T x = clamp(st.x * T(float(t.width)), -limit, limit);
-  T y = clamp(st.y * T(float(t.height)), -limit, limit);
-  if (t.nearest) {
-    I ix = wrap_texel<T>(to_int(floor(x)), t.width, t.wrap);
-    I iy = wrap_texel<T>(to_int(floor(y)), t.height, t.wrap);
-    return fetch_texel<T>(t, ix, iy);
+/// The texels around a point and its fractions between them; with `nearest` all four are the one.
+template <class T> struct TexelCorners {
+  IntOf<T> x0, x1, y0, y1;
+  T fx, fy;
+
+  FACETA_INLINE TexelCorners(const TextureView& t, const Vec2<T>& uv) {
+    using I = IntOf<T>;
+    Vec2<T> st = texture_place(t, uv);
+    // Beyond +-2^20 texels single precision has no fractions left.
+    T limit = T(0x1p20f);
+    T x = clamp(st.x * T(float(t.width)), -limit, limit);
+    T y = clamp(st.y * T(float(t.height)), -limit, limit);
+    if (t.nearest) {
+      fx = fy = T(0);
+      x0 = x1 = wrap_texel<T>(to_int(floor(x)), t.width, t.wrap);
+      y0 = y1 = wrap_texel<T>(to_int(floor(y)), t.height, t.wrap);
+      return;
+    }
+    x = x - T(0.5f);
+    y = y - T(0.5f);
+    T wx = floor(x), wy = floor(y);
+    fx = x - wx;
+    fy = y - wy;
+    I ix = to_int(wx), iy = to_int(wy);
+    x0 = wrap_texel<T>(ix, t.width, t.wrap);
+    x1 = wrap_texel<T>(ix + I(1), t.width, t.wrap);
+    y0 = wrap_texel<T>(iy, t.height, t.wrap);
+    y1 = wrap_texel<T>(iy + I(1), t.height, t.wrap);
   }
-  x = x - T(0.5f);
-  y = y - T(0.5f);
-  T wx = floor(x), wy = floor(y), fx = x - wx, fy = y - wy;
-  I ix = to_int(wx), iy = to_int(wy);
-  I x0 = wrap_texel<T>(ix, t.width, t.wrap), x1 = wrap_texel<T>(ix + I(1), t.width, t.wrap);
-  I y0 = wrap_texel<T>(iy, t.height, t.wrap), y1 = wrap_texel<T>(iy + I(1), t.height, t.wrap);
-  Color<T> c00 = fetch_texel<T>(t, x0, y0), c10 = fetch_texel<T>(t, x1, y0);
-  Color<T> c01 = fetch_texel<T>(t, x0, y1), c11 = fetch_texel<T>(t, x1, y1);
-  Color<T> r;
+};
+
+template <class T> FACETA_INLINE Color<T> bitmap_texture(const TextureView& t, const Vec2<T>& uv) {
+  TexelCorners<T> k(t, uv);
+  Color<T> c00 = fetch_texel<T>(t, k.x0, k.y0);
+  if (t.nearest)
+    return c00;
+  Color<T> c10 = fetch_texel<T>(t, k.x1, k.y0), c01 = fetch_texel<T>(t, k.x0, k.y1);
+  Color<T> c11 = fetch_texel<T>(t, k.x1, k.y1), r;
   for (int c = 0; c < 3; ++c)
-    r[c] = lerp(lerp(c00[c], c10[c], fx), lerp(c01[c], c11[c], fx), fy);
+    r[c] = lerp(lerp(c00[c], c10[c], k.fx), lerp(c01[c], c11[c], k.fx), k.fy);
   return r;
 }
 
@@ -91,10 +120,9 @@ Color<T> evaluate_texture(const TextureView* textures, int id, const Vec2<T>& uv
   const TextureView& t = textures[id];
   if (t.type == TextureType::constant)
     return Color<T>(T(t.color[0][0]), T(t.color[0][1]), T(t.color[0][2]));
-  Vec2<T> st{fma(T(t.to_uv[0]), uv.x, fma(T(t.to_uv[1]), uv.y, T(t.to_uv[2]))),
-             fma(T(t.to_uv[3]), uv.x, fma(T(t.to_uv[4]), uv.y, T(t.to_uv[5])))};
   if (t.type != TextureType::checkerboard)
-    return bitmap_texture<T>(t, st);
+    return bitmap_texture<T>(t, uv);
+  Vec2<T> st = texture_place(t, uv);
   auto right = st.x - floor(st.x) > T(0.5f), upper = st.y - floor(st.y) > T(0.5f);
   Color<T> side[2];
   for (int k = 0; k < 2; ++k)
@@ -103,19 +131,52 @@ Color<T> evaluate_texture(const TextureView* textures, int id, const Vec2<T>& uv
   return select(right ^ upper, side[1], side[0]);
 }
 
-/// Each lane's own texture (id < 0: white), by a loop over the distinct ones among the active
-/// lanes.
+/// Calls visit(id, mask) for each distinct id >= 0 among the active lanes.
+template <class I, class M, class Visit>
+FACETA_INLINE void for_each_texture(const I& ids, M active, const Visit& visit) {
+  auto remaining = active & (ids >= I(0));
+  while (any(remaining)) {
+    int id = lane(ids, __builtin_ctz(mask_bits(remaining)));
+    auto mine = remaining & (ids == I(id));
+    visit(id, mine);
+    remaining = remaining & !mine;
+  }
+}
+
+/// Each lane's own texture (id < 0: white).
 template <class T> Color<T> evaluate_textures(const TextureView* textures, const IntOf<T>& ids,
                                               const Vec2<T>& uv, MaskOf<T> active) {
   Color<T> result(T(1));
-  auto remaining = active & (ids >= IntOf<T>(0));
-  while (any(remaining)) {
-    int id = lane(ids, __builtin_ctz(mask_bits(remaining)));
-    auto mine = remaining & (ids == IntOf<T>(id));
+  for_each_texture(ids, active, [&](int id, MaskOf<T> mine) {
     result = select(mine, evaluate_texture<T>(textures, id, uv), result);
-    remaining = remaining & !mine;
-  }
+  });
   return result;
+}
+
+/// Fetches ahead the texels that evaluate_textures() will read.
+template <class T> void prefetch_textures(const TextureView* textures, const IntOf<T>& ids,
+                                          const Vec2<T>& uv, MaskOf<T> active) {
+  for_each_texture(ids, active, [&](int id, MaskOf<T> mine) {
+    const TextureView& t = textures[id];
+    if (t.type != TextureType::bitmap8 && t.type != TextureType::bitmap_float)
+      return;
+    TexelCorners<T> k(t, uv);
+    constexpr int kWidth = kWidthOf<T>;
+    // Two opposite corners: the other two mostly lie in the same tiles.
+    alignas(64) int32_t first[kWidth], last[kWidth];
+    store(first, texel_index(t, k.x0, k.y0));
+    store(last, texel_index(t, k.x1, k.y1));
+    for (uint32_t bits = mask_bits(mine); bits; bits &= bits - 1) {
+      int i = __builtin_ctz(bits);
+      if (t.type == TextureType::bitmap8) {
+        __builtin_prefetch(t.texels8 + first[i]);
+        __builtin_prefetch(t.texels8 + last[i]);
+      } else {
+        __builtin_prefetch(t.texels + 4 * size_t(first[i]));
+        __builtin_prefetch(t.texels + 4 * size_t(last[i]));
+      }
+    }
+  });
 }
 
 /// Luminance of linear sRGB (ITU-R BT.709).

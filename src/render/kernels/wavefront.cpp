@@ -136,7 +136,7 @@ void Wavefront::generate(int count) {
     if (scene_.environment.columns) {
       SampleStream<T> vertex(as_uint(pixel_index), as_uint(s), job_.settings.seed,
                              job_.settings.sampler == SamplerType::sobol);
-      Vec2<T> place = environment_places(vertex, I(1));
+      Vec2<T> place = environment_place(vertex, I(1), environment_choice(vertex, I(1)));
       store(places_ + count_ + i, place.x);
       store(places_ + kPoolRows + count_ + i, place.y);
     }
@@ -147,7 +147,7 @@ void Wavefront::generate(int count) {
                    rays + 7 * kCameraStride};
   if (job_.record)
     job_.record(job_.user, RayKind::camera, &arrays, count);
-  trace_camera(scene_, arrays, count, hits_ + count_, distances_ + count_);
+  trace_camera(scene_, arrays, count, hit_arrays().from(count_));
   float* pixels = radiance_ + 4 * size_t(first_slot);
   for (int i = 0; i < count; ++i) {
     pixels[4 * i] = pixels[4 * i + 1] = pixels[4 * i + 2] = 0;
@@ -173,6 +173,12 @@ void Wavefront::finish_chunks() {
 
 // --- Tracing and sorting ---
 
+HitArrays Wavefront::hit_arrays() const {
+  bool environment = scene_.environment.columns > 0;
+  return {hits_, distances_, environment ? places_ : nullptr,
+          environment ? places_ + kPoolRows : nullptr};
+}
+
 void Wavefront::trace() {
   if (survivors_ == 0)
     return;
@@ -194,7 +200,7 @@ void Wavefront::trace() {
   float distances[kLanePadding];
   std::memcpy(codes, hits_ + survivors_, 4 * tail);
   std::memcpy(distances, distances_ + survivors_, 4 * tail);
-  trace_rows(scene_, rows_, survivors_, hits_, distances_);
+  trace_rows(scene_, rows_, survivors_, hit_arrays());
   std::memcpy(hits_ + survivors_, codes, 4 * tail);
   std::memcpy(distances_ + survivors_, distances, 4 * tail);
   counters_.closest_rays += survivors_;
@@ -205,8 +211,6 @@ void Wavefront::sort() {
   // other where neighbours share a material.
   const int keys = scene_.root_count + 1;
   std::fill(counters4_.begin(), counters4_.end(), 0);
-  const EnvironmentView& e = scene_.environment;
-  bool environment = e.columns > 0;
   for (int i = 0; i < count_; ++i) {
     int32_t code = hits_[i];
     int32_t key = 0;
@@ -216,8 +220,6 @@ void Wavefront::sort() {
       key = 1 + scene_.triangles[code].material;
     keys_[i] = key;
     ++counters4_[4 * key + (i & 3)];
-    if (environment && key)
-      __builtin_prefetch(e.cells + environment_cell_at(e, places_[i], places_[kPoolRows + i]));
   }
   int32_t position = 0;
   for (int key = 0; key < keys; ++key) {

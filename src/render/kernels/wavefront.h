@@ -93,6 +93,14 @@ private:
     Color<T> radiance; ///< over the density and the probability of the choice
     M delta, valid;
   };
+  // Lanes of paths on their way through a class: begun (the surface is known, what comes next is
+  // being fetched) while the group before is shaded.
+  struct Group {
+    PathLanes path;
+    SurfaceLanes<T> surface;
+    Vec2<T> place, next_choice; // on the environment: to sample here, and at the next vertex
+    M active;
+  };
   // Chunks in flight; finished in order.
   struct ChunkState {
     Chunk chunk;
@@ -104,19 +112,24 @@ private:
   bool open_chunk();
   void generate(int count);
   void finish_chunks();
+  HitArrays hit_arrays() const;
   void trace();
   void sort();
   void shade_misses(const int32_t* order, int n);
   void shade_class(const ClassView& c, const int32_t* order, int n);
-  void shade_group(const ClassView& c, const int32_t* order, int n);
+  void begin_group(const ClassView& c, const int32_t* order, int n, Group& g) const;
+  void shade_group(const ClassView& c, Group& g);
   void shadows();
 
   PathLanes load_paths(const int32_t* order) const;
-  SurfaceLanes<T> surface(const int32_t* order, const PathLanes& path, bool need_uv) const;
+  SurfaceLanes<T> surface_points(const int32_t* order, const PathLanes& path, bool need_uv) const;
   Color<T> emission(const PathLanes& path, const SurfaceLanes<T>& s, M active);
   LightSample sample_lights(const SurfaceLanes<T>& s, const SampleStream<T>& stream,
                             const I& dimension, const Vec2<T>& place);
-  Vec2<T> environment_places(const SampleStream<T>& stream, const I& dimension) const;
+  SampleStream<T> stream_of(const PathLanes& path) const;
+  Vec2<T> environment_choice(const SampleStream<T>& stream, const I& dimension) const;
+  Vec2<T> environment_place(const SampleStream<T>& stream, const I& dimension,
+                            const Vec2<T>& choice) const;
   void queue_shadow(const SurfaceLanes<T>& s, const LightSample& l, const Color<T>& contribution,
                     const I& slot, M mask);
   void see_through(const PathLanes& path, const SurfaceLanes<T>& s, M mask);
@@ -125,7 +138,8 @@ private:
                    M mask);
   void store_places(const Vec2<T>& place, int first, M mask);
   void continue_paths(const PathLanes& path, const SurfaceLanes<T>& s, const Sample<T>& sample,
-                      const SampleStream<T>& stream, const I& dimension, M active);
+                      const SampleStream<T>& stream, const I& dimension, const Vec2<T>& next_choice,
+                      M active);
   void add(const Color<T>& c, const I& slot, M mask);
 
   const RenderJob& job_;
