@@ -206,21 +206,29 @@ void Wavefront::trace() {
   counters_.closest_rays += survivors_;
 }
 
+/// 0 for a miss, else 1 + the material.
+Wavefront::I Wavefront::hit_keys(const I& code) const {
+  M quadric = code >= I(kQuadricHit), miss = code == I(kNoHit);
+  constexpr int kTriangleWords = sizeof(TriangleRecord) / 4;
+  I word = select(quadric | miss, I(0), code * I(kTriangleWords));
+  I key = gather_int<T>(&scene_.triangles[0].material, word) + I(1);
+  if (any(quadric)) {
+    constexpr int kQuadricWords = sizeof(QuadricRecord) / 4;
+    word = select(quadric, (code - I(kQuadricHit)) * I(kQuadricWords), I(0));
+    key = select(quadric, gather_int<T>(&scene_.quadrics[0].material, word) + I(1), key);
+  }
+  return select(miss, I(0), key);
+}
+
 void Wavefront::sort() {
   // Four sets of counters, one for every fourth path: increments of one counter would wait for each
   // other where neighbours share a material.
   const int keys = scene_.root_count + 1;
   std::fill(counters4_.begin(), counters4_.end(), 0);
-  for (int i = 0; i < count_; ++i) {
-    int32_t code = hits_[i];
-    int32_t key = 0;
-    if (code >= kQuadricHit)
-      key = 1 + scene_.quadrics[code - kQuadricHit].material;
-    else if (code != kNoHit)
-      key = 1 + scene_.triangles[code].material;
-    keys_[i] = key;
-    ++counters4_[4 * key + (i & 3)];
-  }
+  for (int i = 0; i < count_; i += W)
+    store(keys_ + i, hit_keys(load_int<T>(hits_ + i)));
+  for (int i = 0; i < count_; ++i)
+    ++counters4_[4 * keys_[i] + (i & 3)];
   int32_t position = 0;
   for (int key = 0; key < keys; ++key) {
     begin_[key] = position;

@@ -114,6 +114,7 @@ private:
   void finish_chunks();
   HitArrays hit_arrays() const;
   void trace();
+  I hit_keys(const I& code) const;
   void sort();
   void shade_misses(const int32_t* order, int n);
   void shade_class(const ClassView& c, const int32_t* order, int n);
