@@ -167,6 +167,7 @@ void add_diff(CLI::App& app, Action& action) {
   sub->add_option(
          "--quantisation", options->quantisation,
          "relative rounding error of the values, beside the variances (default: of halves)")
+      ->check(check_finite)
       ->check(CLI::NonNegativeNumber)
       ->needs(image_variance)
       ->type_name("X");
