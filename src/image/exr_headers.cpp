@@ -52,6 +52,45 @@ struct Part {
   std::string type;
 };
 
+struct FixedSize {
+  std::string_view type;
+  std::size_t bytes;
+};
+constexpr FixedSize kFixedSizes[] = {
+    {"box2f", 16},      {"box2i", 16},   {"chromaticities", 32},
+    {"compression", 1}, {"double", 8},   {"envmap", 1},
+    {"float", 4},       {"int", 4},      {"keycode", 28},
+    {"lineOrder", 1},   {"m33d", 72},    {"m33f", 36},
+    {"m44d", 128},      {"m44f", 64},    {"rational", 8},
+    {"tiledesc", 9},    {"timecode", 8}, {"v2d", 16},
+    {"v2f", 8},         {"v2i", 8},      {"v3d", 24},
+    {"v3f", 12},        {"v3i", 12},     {"deepImageState", 1},
+};
+
+/// Bytes that the value of an attribute really takes; OpenEXR reads so many whatever the header
+/// says, and would take the header to go on there. What it reads by the size alone is left out.
+std::size_t size_of_value(View file, const std::string& name, const std::string& type) {
+  for (const FixedSize& fixed : kFixedSizes)
+    if (type == fixed.type)
+      return fixed.bytes;
+  Walker w(file, name);
+  if (type == "chlist")
+    while (!w.text().empty())
+      w.take(16);
+  else if (type == "stringvector")
+    while (w.left() > 0)
+      w.take(w.u32());
+  else if (type == "preview") {
+    const std::uint64_t width = w.u32(), height = w.u32();
+    if (width != 0 && height > w.left() / 4 / width)
+      w.fail("its preview is truncated");
+    w.take(4 * width * height);
+  } else {
+    return file.size();
+  }
+  return file.size() - w.left();
+}
+
 void read_window(Walker& w, Part& part) {
   const std::int64_t x0 = w.i32(), y0 = w.i32(), x1 = w.i32(), y1 = w.i32();
   part.width = x1 - x0 + 1, part.height = y1 - y0 + 1;
@@ -70,11 +109,6 @@ void read_attribute(View file, const std::string& name, const std::string& key,
     part.chunk_count = w.u32();
   if (key == "tiles" && type == "tiledesc")
     part.tile_width = w.u32(), part.tile_height = w.u32();
-  if (type == "preview") {
-    const std::uint64_t width = w.u32(), height = w.u32();
-    if (width != 0 && height > w.left() / 4 / width)
-      w.fail("its preview is truncated");
-  }
 }
 
 /// One header up to its empty name. False if it is empty: the end of a multi-part file's headers.
@@ -87,7 +121,11 @@ bool read_part(Walker& w, const std::string& name, Part& part) {
     const std::uint32_t size = w.u32();
     if (size > w.left())
       w.fail(fmt::format("its attribute '{}' claims {} bytes, more than the file has", key, size));
-    read_attribute(w.take(size), name, key, type, part);
+    const View value = w.take(size);
+    if (const std::size_t real = size_of_value(value, name, type); real != size)
+      w.fail(fmt::format("its attribute '{}' of type {} claims {} bytes, but has {}", key, type,
+                         size, real));
+    read_attribute(value, name, key, type, part);
   }
 }
 

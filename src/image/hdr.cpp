@@ -15,6 +15,8 @@ namespace {
 
 using Rgbe = std::array<std::uint8_t, 4>;
 
+constexpr std::size_t kAlwaysFinePixels = std::size_t(1) << 22, kPixelsPerByte = 1024;
+
 struct Header {
   bool xyz = false;
   Metadata metadata;
@@ -258,9 +260,14 @@ Decoded read_hdr(View file, const std::string& name) {
   Reader in(file, name);
   const Header header = read_header(in);
   check_image_size(header.slow, header.fast, name);
-  // A run-length encoded scan line takes 4 bytes at the very least; values grow with what is read.
+  // A run-length encoded scan line takes 4 bytes at the very least.
   if (in.left() / 4 < std::size_t(header.slow))
     in.truncated();
+  // Separated runs shrink 64-fold at most; repeats of whole pixels nearly without bound, so a
+  // generous figure that still stops a small file from asking for gigabytes.
+  const std::size_t pixels = std::size_t(header.slow) * std::size_t(header.fast);
+  if (pixels > kAlwaysFinePixels + kPixelsPerByte * in.left())
+    in.malformed(fmt::format("{} bytes cannot hold {} pixels", in.left(), pixels));
   std::vector<float> values;
   std::vector<Rgbe> scanline(std::size_t(header.fast));
   for (int s = 0; s < header.slow; ++s) {

@@ -22,6 +22,7 @@ struct ReadState {
   png_infop info = nullptr;
   std::vector<png_bytep> rows;
   Decoded out;
+  std::size_t stored_row_bytes = 0; ///< before palettes and small depths are expanded
   std::size_t row_bytes = 0;
   int colour_type = 0;
   ~ReadState() { png_destroy_read_struct(&png, &info, nullptr); }
@@ -72,6 +73,7 @@ bool read_info(ReadState& s) {
   png_set_chunk_malloc_max(s.png, 8u << 20);
   png_set_chunk_cache_max(s.png, 100);
   png_read_info(s.png, s.info);
+  s.stored_row_bytes = png_get_rowbytes(s.png, s.info);
   png_set_expand(s.png); // palettes, 1, 2 and 4 bits, transparent colours
   if constexpr (std::endian::native == std::endian::little)
     png_set_swap(s.png);
@@ -177,8 +179,8 @@ Decoded read_png(View file, const std::string& name) {
     fail(s.message, name);
   describe(s, name);
   const std::size_t rows = std::size_t(s.out.bitmap.height), size = s.row_bytes * rows;
-  // Deflate shrinks by 1032 at the very most, and expanding 1 bit of grey gives 32-fold at most.
-  if (size / 1032 / 32 > file.size())
+  // Deflate shrinks by 1032 at the very most.
+  if (s.stored_row_bytes * rows / 1032 > file.size())
     fail("the file is far too short for its size", name);
   s.out.bitmap.bytes.resize(size);
   for (std::size_t y = 0; y < rows; ++y)

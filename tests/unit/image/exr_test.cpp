@@ -215,3 +215,27 @@ TEST(Exr, SmallFilesCannotClaimMuch) {
   EXPECT_CONTAINS(patch("chromaticities", 1 + 15, 0x7fffffff), "more than the file has");
   EXPECT_CONTAINS(patch("channels", 1 + 7, 0xffffffff), "more than the file has");
 }
+
+// OpenEXR reads a value as its type wants and goes on from there, whatever size the header says:
+// what hides in the difference must not be taken for attributes, which may claim gigabytes.
+TEST(Exr, AttributesOfAnotherSizeThanTheirTypeAreRefused) {
+  const TempDir dir;
+  Image image = half_noise(8, 8);
+  image.metadata = {{"eye", V3f{1, 2, 3}}};
+  write_image(dir / "a.exr", image);
+  const codec::Bytes bytes = codec::read_file(dir / "a.exr");
+  const std::string text(bytes.begin(), bytes.end());
+  const std::string hidden("a\0zzz\0\0\0\0\x70", 10);
+  const auto hide = [&](const std::string& key, const std::string& type) {
+    const std::size_t at = text.find(key + '\0' + type + '\0') + key.size() + type.size() + 2;
+    const auto size = static_cast<std::uint8_t>(text[at]);
+    std::string longer = text;
+    longer.insert(at + 4 + size, hidden);
+    longer[at] = static_cast<char>(size + hidden.size());
+    write_bytes(dir / "b.exr", longer);
+    return read_error(dir / "b.exr");
+  };
+  EXPECT_CONTAINS(hide("channels", "chlist"), "'channels' of type chlist claims 65 bytes");
+  EXPECT_CONTAINS(hide("dataWindow", "box2i"), "'dataWindow' of type box2i claims 26 bytes");
+  EXPECT_CONTAINS(hide("eye", "v3f"), "'eye' of type v3f claims 22 bytes, but has 12");
+}

@@ -151,3 +151,17 @@ TEST(Hdr, MalformedFiles) {
   EXPECT_CONTAINS(error("FORMAT=32-bit_rle_what\n\n-Y 1 +X 1\n1234"), "FORMAT");
   EXPECT_CONTAINS(error("-Y 1 +X 1"), "truncated");
 }
+
+// Repeats of whole pixels shrink a picture without bound: 12 bytes for 65281 pixels here.
+TEST(Hdr, SmallFilesCannotClaimMuch) {
+  std::string text = kHead + "\n-Y 200 +X 65281\n";
+  for (int y = 0; y < 200; ++y)
+    text += rgbe(128, 64, 32, 129) + rgbe(1, 1, 1, 0) + rgbe(1, 1, 1, 255);
+  const codec::View file(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  try {
+    codec::decode(file, "small.hdr");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_CONTAINS(error.what(), "2400 bytes cannot hold 13056200 pixels");
+  }
+}

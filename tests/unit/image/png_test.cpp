@@ -176,6 +176,7 @@ TEST(Png, HugeClaimsAreRefusedBeforeAllocation) {
     return read_error(dir / "h.png");
   };
   EXPECT_CONTAINS(set_size(30000, 30000), "too short");
+  EXPECT_CONTAINS(set_size(800, 800), "too short");
   EXPECT_CONTAINS(set_size(65536, 65536), "too large");
   EXPECT_CONTAINS(set_size(100000, 10), "h.png");
 }
