@@ -14,6 +14,9 @@ struct RenderSettings {
   int32_t max_depth = -1; ///< 1: emitters only, 2: direct light ...; -1: unlimited
   int32_t rr_depth = 5;
   int32_t hide_emitters = 0;
+  /// Where alpha is 1: wherever a camera ray meets a surface (direct); or where paths meet more
+  /// than null surfaces, or the environment is seen (path).
+  int32_t alpha_of_hits = 0;
   /// The strategies of the direct integrator, relative to one another; both 1 for path.
   float light_fraction = 1, bsdf_fraction = 1;
   /// direct: shading samples a camera sample; of these, so many choose a light and a direction.

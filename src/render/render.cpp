@@ -220,6 +220,7 @@ RenderSettings render_settings(const IntegratorDesc& integrator, const SamplerDe
   s.rr_depth = integrator.rr_depth;
   s.hide_emitters = integrator.hide_emitters;
   if (integrator.type == "direct") {
+    s.alpha_of_hits = 1;
     s.max_depth = 2;
     s.rr_depth = 1 << 30;
     s.light_splits = integrator.emitter_samples;

@@ -193,8 +193,13 @@ void Wavefront::shade_group(const ClassView& c, Group& g) {
     active = active & !hidden;
   }
   add(emission(path, s, active), path.slot, active & (s.light >= I(0)));
-  if (settings.max_depth >= 0)
-    active = active & (path.depth + I(1) < I(settings.max_depth));
+  if (settings.max_depth >= 0) {
+    M ends = active & (path.depth + I(1) >= I(settings.max_depth));
+    M lit = (s.light >= I(0)) & (dot(path.d, s.frame.n) < T(0));
+    if (!settings.alpha_of_hits && !environment_is_seen())
+      clear_alpha(path.slot, ends & !lit & (path.pdf == T(kUnscattered)));
+    active = active & !ends;
+  }
   if (none(active))
     return;
 
@@ -327,10 +332,16 @@ void Wavefront::continue_paths(const PathLanes& path, const SurfaceLanes<T>& s,
     throughput = select(roulette, throughput * (T(1) / q), throughput);
     alive = alive & ((!roulette) | (u < q));
   }
+  T pdf = select(sample.delta, T(-1), sample.pdf);
+  M through = sample.valid & (sample.lobe == I(kNullLobe)) & (path.pdf == T(kUnscattered));
+  if (any(through)) {
+    pdf = select(through, T(kUnscattered), pdf);
+    if (!job_.settings.alpha_of_hits && !environment_is_seen())
+      clear_alpha(path.slot, active & through & !alive);
+  }
   if (none(alive))
     return;
   Vec3<T> o = offset_origin(s, d, T(scene_scale_));
-  T pdf = select(sample.delta, T(-1), sample.pdf);
   if (scene_.environment.columns)
     store_places(environment_place(stream, first_pair(depth), next_choice), next_count_, alive);
   I normal = scene_.light_nodes[0].child >= 0 ? pack_normal(s.frame.n) : I(0);

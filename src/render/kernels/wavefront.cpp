@@ -122,7 +122,7 @@ void Wavefront::generate(int count) {
                  r.d.x,
                  r.d.y,
                  r.d.z,
-                 T(-1),
+                 T(kUnscattered),
                  T(1),
                  T(1),
                  T(1),
@@ -280,19 +280,22 @@ void Wavefront::add(const Color<T>& c, const I& slot, M mask) {
   }
 }
 
+void Wavefront::clear_alpha(const I& slot, M mask) {
+  alignas(64) int32_t slots[W];
+  store(slots, slot);
+  for (uint32_t bits = mask_bits(mask); bits; bits &= bits - 1)
+    radiance_[4 * size_t(slots[__builtin_ctz(bits)]) + 3] = 0;
+}
+
 void Wavefront::shade_misses(const int32_t* order, int n) {
   const EnvironmentView& e = scene_.environment;
   for (int i = 0; i < n; i += W) {
     M active = first_lanes<T>(n - i);
     PathLanes path = load_paths(order + i);
-    auto first = active & (path.depth == I(0));
-    bool visible = e.present && !job_.settings.hide_emitters;
-    if (!visible && any(first)) {
-      alignas(64) int32_t slots[W];
-      store(slots, path.slot);
-      for (uint32_t bits = mask_bits(first); bits; bits &= bits - 1)
-        radiance_[4 * size_t(slots[__builtin_ctz(bits)]) + 3] = 0;
-    }
+    M direct =
+        active & (job_.settings.alpha_of_hits ? path.depth == I(0) : path.pdf == T(kUnscattered));
+    if (job_.settings.alpha_of_hits || !environment_is_seen())
+      clear_alpha(path.slot, direct);
     if (!e.present)
       continue;
     EnvironmentLight<T> light = environment_light(e, path.d);
@@ -302,7 +305,7 @@ void Wavefront::shade_misses(const int32_t* order, int n) {
         mis, power_heuristic(max(path.pdf, T(1e-30f)) * T(job_.settings.bsdf_fraction), other),
         T(1));
     if (job_.settings.hide_emitters)
-      active = active & (path.depth > I(0));
+      active = active & !direct;
     add(path.throughput * light.radiance * weight, path.slot, active);
   }
 }

@@ -18,6 +18,8 @@
 
 namespace faceta {
 
+/// In place of a path's density: so far it met nothing but null surfaces.
+inline constexpr float kUnscattered = -2;
 inline constexpr int kPoolSize = 1024;
 inline constexpr int kChunkRing = 8;
 
@@ -142,6 +144,10 @@ private:
                       const SampleStream<T>& stream, const I& dimension, const Vec2<T>& next_choice,
                       M active);
   void add(const Color<T>& c, const I& slot, M mask);
+  void clear_alpha(const I& slot, M mask);
+  bool environment_is_seen() const {
+    return scene_.environment.present && !job_.settings.hide_emitters;
+  }
 
   const RenderJob& job_;
   const SceneView& scene_;
