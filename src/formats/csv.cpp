@@ -4,6 +4,7 @@
 #include "formats/output_file.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -15,6 +16,7 @@
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 #include <unistd.h>
+#include <unordered_set>
 
 namespace faceta {
 
@@ -261,16 +263,17 @@ Layout read_header(const Block& block, const std::string& file, const std::vecto
   // A file without a header lacks its columns, before anything else is wrong with it.
   check_complete(layout.names, inputs);
   FieldCursor cursor(layout.header);
-  for (auto name = layout.names.begin(); name != layout.names.end(); ++name) {
+  std::unordered_set<std::string_view> before; // a header may hold 10^6 names
+  for (const std::string& name : layout.names) {
     cursor.text();
-    if (std::find(layout.names.begin(), name, *name) != name)
-      throw Malformed{cursor.offset(), "column '" + *name + "' is there twice", ""};
+    if (!before.insert(name).second)
+      throw Malformed{cursor.offset(), "column '" + name + "' is there twice", ""};
     for (const CsvOutput& output : outputs)
-      if (*name == output.name)
-        throw Malformed{cursor.offset(), "column '" + *name + "' is there already",
+      if (name == output.name)
+        throw Malformed{cursor.offset(), "column '" + name + "' is there already",
                         "it is one of the results: rename or remove it"};
     auto input = std::find_if(inputs.begin(), inputs.end(),
-                              [&](const CsvInput& i) { return i.name == *name; });
+                              [&](const CsvInput& i) { return i.name == name; });
     layout.input_of_column.push_back(
         input == inputs.end() ? -1 : static_cast<int>(input - inputs.begin()));
   }
@@ -413,6 +416,51 @@ private:
   const std::function<void(CsvRows&)>& function_;
 };
 
+/// Every block from the reader through the transformation to `write`, in the order of the file.
+void run_blocks(BlockReader& reader, const Transform& transform,
+                const std::function<void(const std::string&)>& write) {
+  using BlockPointer = std::shared_ptr<Block>;
+  using WorkPointer = std::shared_ptr<Work>;
+  // Errors wait until the pipeline is empty: TBB loses the blocks that are on their way when an
+  // exception ends it. What is wrong further up in the file counts, so a row before the reading.
+  std::optional<Error> reading, row;
+  std::atomic<bool> stopped = false;
+  tbb::filter<void, BlockPointer> read(tbb::filter_mode::serial_in_order,
+                                       [&](tbb::flow_control& control) {
+                                         std::optional<Block> block;
+                                         try {
+                                           if (!stopped)
+                                             block = reader.next();
+                                         } catch (const Error& error) {
+                                           reading = error;
+                                         }
+                                         if (!block) {
+                                           control.stop();
+                                           return BlockPointer();
+                                         }
+                                         return std::make_shared<Block>(std::move(*block));
+                                       });
+  // The lines of a work point into its block, which lives until the text is made.
+  tbb::filter<BlockPointer, WorkPointer> run(
+      tbb::filter_mode::parallel, [&](const BlockPointer& block) { return transform.run(*block); });
+  tbb::filter<WorkPointer, void> append(tbb::filter_mode::serial_in_order,
+                                        [&](const WorkPointer& work) {
+                                          try {
+                                            if (work->error)
+                                              throw *work->error;
+                                            if (!stopped)
+                                              write(work->text);
+                                          } catch (const Error& error) {
+                                            row = row ? row : error;
+                                            stopped = true;
+                                          }
+                                        });
+  size_t tokens = 2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()) + 2;
+  tbb::parallel_pipeline(tokens, read & run & append);
+  if (row || reading)
+    throw row ? *row : *reading;
+}
+
 } // namespace
 
 void transform_csv(const std::string& source, const std::string& target,
@@ -436,28 +484,7 @@ void transform_csv(const std::string& source, const std::string& target,
     file.write(text);
   };
 
-  using BlockPointer = std::shared_ptr<Block>;
-  using WorkPointer = std::shared_ptr<Work>;
-  tbb::filter<void, BlockPointer> read(tbb::filter_mode::serial_in_order,
-                                       [&](tbb::flow_control& control) {
-                                         std::optional<Block> block = reader.next();
-                                         if (!block) {
-                                           control.stop();
-                                           return BlockPointer();
-                                         }
-                                         return std::make_shared<Block>(std::move(*block));
-                                       });
-  // The lines of a work point into its block, which lives until the text is made.
-  tbb::filter<BlockPointer, WorkPointer> run(
-      tbb::filter_mode::parallel, [&](const BlockPointer& block) { return transform.run(*block); });
-  tbb::filter<WorkPointer, void> append(tbb::filter_mode::serial_in_order,
-                                        [&](const WorkPointer& work) {
-                                          if (work->error)
-                                            throw *work->error;
-                                          write(work->text);
-                                        });
-  size_t tokens = 2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()) + 2;
-  tbb::parallel_pipeline(tokens, read & run & append);
+  run_blocks(reader, transform, write);
   if (!header_written)
     write("");
   file.commit();

@@ -65,7 +65,14 @@ private:
   Scene& need_scene(const SourcePosition& where) const;
 
   // mitsuba_shape.cpp
-  struct PendingShape;
+  /// A shape read but for its mesh file.
+  struct PendingShape {
+    ShapeDesc desc;
+    SourcePosition where;
+    std::function<Mesh()> load; ///< empty for analytic shapes
+    bool rectangle = false;
+    std::function<void(Scene&, const ShapeDesc&)> add; ///< analytic shapes
+  };
   void read_shape(const xml::NodePtr& node);
   void read_shape_children(const xml::Node& node, ShapeDesc& shape);
   /// Returns the names of the properties the shape may have.
@@ -113,15 +120,6 @@ private:
   std::vector<xml::NodePtr> free_area_emitters_;
   const xml::Node* environment_ = nullptr;
   const xml::Node* integrator_ = nullptr;
-};
-
-/// A shape read but for its mesh file.
-struct Reader::PendingShape {
-  ShapeDesc desc;
-  SourcePosition where;
-  std::function<Mesh()> load; ///< empty for analytic shapes
-  bool rectangle = false;
-  std::function<void(Scene&, const ShapeDesc&)> add; ///< analytic shapes
 };
 
 /// An Error about a plugin that is none of `supported`: "not supported yet" if the scene contract
