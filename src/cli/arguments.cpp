@@ -177,8 +177,13 @@ void add_diff(CLI::App& app, Action& action) {
 
 void add_info(CLI::App& app, Action& action) {
   auto options = std::make_shared<InfoOptions>();
-  CLI::App* sub = app.add_subcommand("info", "What is in an image file, or what this CPU can run");
-  sub->add_option("files", options->files, "images")->type_name("FILE");
+  CLI::App* sub =
+      app.add_subcommand("info", "What is in an image or a scene file, or what this CPU can run");
+  sub->footer(
+      "Of an image: size, channels, metadata. Of a scene (.xml): shapes, emitters, materials "
+      "and textures by type, triangles, integrator, and each sensor's film and samples.");
+  sub->add_option("files", options->files, "images and scenes")->type_name("FILE");
+  add_defines(*sub, options->defines);
   sub->add_flag("--cpu", options->cpu, "the CPU, its instruction sets, the modules found");
   sub->add_flag("--json", options->json, "as JSON");
   sub->callback([=, &action] {

@@ -49,7 +49,8 @@ struct DiffOptions {
 int run_diff(const DiffOptions& options);
 
 struct InfoOptions {
-  std::vector<std::string> files;
+  std::vector<std::string> files; ///< images, and scenes (.xml)
+  Settings defines;               ///< of scenes
   bool cpu = false, json = false;
 };
 int run_info(const InfoOptions& options);

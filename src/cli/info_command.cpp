@@ -1,5 +1,6 @@
 #include "base/cpu.h"
 #include "cli/commands.h"
+#include "cli/scene_info.h"
 #include "image/io.h"
 
 #include <algorithm>
@@ -147,8 +148,9 @@ int run_info(const InfoOptions& options) {
     text += cpu_text(all.back());
   }
   for (const std::string& file : options.files) {
-    all.push_back(image_json(file));
-    text += image_text(all.back());
+    bool scene = fs::path(file).extension() == ".xml";
+    all.push_back(scene ? scene_json(file, options.defines) : image_json(file));
+    text += scene ? scene_text(all.back()) : image_text(all.back());
   }
   if (options.json)
     text =
