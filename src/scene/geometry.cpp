@@ -12,12 +12,12 @@ using namespace double3;
 
 namespace {
 
-// Hit codes keep the upper bits for other uses.
-constexpr size_t kMaxPrimitives = size_t(1) << 30;
+// Kernels count words of records in 32 bits.
+constexpr size_t kMaxPrimitives = size_t(1) << 26;
 
 void check_count(size_t count) {
   if (count >= kMaxPrimitives)
-    throw Error("the scene has more than 2^30 triangles or quadrics");
+    throw Error("the scene has more than 2^26 triangles or quadrics");
 }
 
 void put(float (&to)[3], const Double3& from) {

@@ -30,7 +30,10 @@ FACETA_INLINE T sample_filter(const FilterView& f, const T& u, const T& low, con
     I i = min(to_int(x), I(f.cells - 1));
     return lerp(gather<T>(f.cdf, i), gather<T>(f.cdf, i + I(1)), x - to_float(i));
   };
-  T target = lerp(cdf(low), cdf(high), u);
+  T target = u;
+  // Away from the border of the film cdf(low) is 0 and cdf(high) 1.
+  if (!all((low <= T(-f.radius)) & (high >= T(f.radius))))
+    target = lerp(cdf(low), cdf(high), u);
   I first(0); // the last entry <= target
   for (int step = f.cells / 2; step > 0; step /= 2) {
     I probe = min(first + I(step), I(f.cells - 1));
