@@ -43,12 +43,15 @@ if(EXISTS ${CMAKE_SOURCE_DIR}/scenes)
 endif()
 
 install(EXPORT faceta_targets NAMESPACE faceta:: DESTINATION ${package})
+set(FACETA_HEADERS ${headers})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/faceta-config.cmake.in
-  ${CMAKE_BINARY_DIR}/faceta-config.cmake INSTALL_DESTINATION ${package})
+  ${CMAKE_BINARY_DIR}/faceta-config.cmake INSTALL_DESTINATION ${package}
+  PATH_VARS FACETA_HEADERS)
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/faceta-config-version.cmake
   COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/faceta-config.cmake
-  ${CMAKE_BINARY_DIR}/faceta-config-version.cmake DESTINATION ${package})
+  ${CMAKE_BINARY_DIR}/faceta-config-version.cmake ${CMAKE_CURRENT_LIST_DIR}/Modules.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/module.map DESTINATION ${package})
 
 # A project of somebody else's: installs this build to an empty prefix, then finds, builds and runs.
 if(FACETA_TESTS)

@@ -10,13 +10,20 @@
 # makes the static library faceta_<name>_models with `std::vector<faceta::Model> <name>_models()` in
 # namespace <ns> (double reference, derivatives, descriptors) and the modules in lib/faceta/. With an
 # OUTPUT_DIRECTORY they go there instead and are not installed: a program adds them by
-# Registry::global().add(<name>_models(), folder, "<name>").
+# Registry::global().add(<name>_models(), folder, "<name>"). Installed, this file serves those who
+# find_package(faceta), too; it then wants Highway and Ceres, whose headers kernels and derivatives
+# include.
 
 set(FACETA_ISAS scalar v3 v4)
 set(FACETA_FLAGS_scalar -DFACETA_LANE_WIDTH=1)
 set(FACETA_FLAGS_v3 -march=x86-64-v3 -maes -mpclmul -DFACETA_LANE_WIDTH=8)
 set(FACETA_FLAGS_v4 -march=x86-64-v4 -maes -mpclmul -DFACETA_LANE_WIDTH=16)
 set(FACETA_MODULE_SCRIPT ${CMAKE_CURRENT_LIST_DIR}/module.map)
+# This tree; find_package(faceta) has named the installed headers and library instead.
+if(NOT FACETA_INCLUDE_FOLDER)
+  set(FACETA_INCLUDE_FOLDER ${CMAKE_SOURCE_DIR}/src)
+  set(FACETA_MODULE_LIBRARY faceta_bsdf)
+endif()
 
 # Writes a file only if its content changed, so that nothing rebuilds for nothing.
 function(faceta_write path content)
@@ -69,12 +76,15 @@ function(faceta_add_material_modules name)
   find_package(Ceres REQUIRED) # its targets are seen in this folder only
   add_library(faceta_${name}_models STATIC ${models} ${dir}/models.cpp)
   target_include_directories(faceta_${name}_models PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
-  target_link_libraries(faceta_${name}_models PUBLIC faceta_bsdf Ceres::ceres)
+  target_link_libraries(faceta_${name}_models PUBLIC ${FACETA_MODULE_LIBRARY} Ceres::ceres)
+  target_compile_features(faceta_${name}_models PUBLIC cxx_std_20)
+  target_compile_options(faceta_${name}_models PRIVATE ${FACETA_MODULE_FLAGS})
   foreach(isa ${FACETA_ISAS})
     set(target faceta_${name}_${isa})
     add_library(${target} MODULE ${kernels} ${dir}/table.cpp ${M_EXTRA})
-    target_include_directories(${target} PRIVATE ${CMAKE_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})
-    target_compile_options(${target} PRIVATE ${FACETA_FLAGS_${isa}} -DFACETA_ISA_NAME="${isa}"
+    target_include_directories(${target} PRIVATE ${FACETA_INCLUDE_FOLDER} ${CMAKE_CURRENT_SOURCE_DIR})
+    target_compile_features(${target} PRIVATE cxx_std_20)
+    target_compile_options(${target} PRIVATE ${FACETA_MODULE_FLAGS} ${FACETA_FLAGS_${isa}} -DFACETA_ISA_NAME="${isa}"
       -fvisibility=hidden -fvisibility-inlines-hidden -Wno-missing-field-initializers
       # GCC 12 unrolls the loops over channels and coefficients at -O3 only.
       $<$<CONFIG:Release,RelWithDebInfo>:-O3>)
