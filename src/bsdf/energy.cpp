@@ -1,5 +1,7 @@
 #include "bsdf/energy.h"
 
+#include "sampling/quadrature.h"
+
 #include <cmath>
 
 namespace faceta {
@@ -8,48 +10,21 @@ namespace {
 
 using Layout = EnergyTableLayout;
 
-struct Quadrature {
-  std::vector<double> x, weight;
-};
-
-/// Gauss and Legendre's nodes on [0, 1], by Newton's iteration on the Legendre polynomial.
-Quadrature gauss_legendre(int n) {
-  Quadrature q;
-  for (int i = 0; i < n; ++i) {
-    double x = std::cos(kPi * (i + 0.75) / (n + 0.5)), slope = 1;
-    for (int step = 0; step < 60; ++step) {
-      double p = 1, before = 0;
-      for (int k = 1; k <= n; ++k) {
-        double next = ((2 * k - 1) * x * p - (k - 1) * before) / k;
-        before = p;
-        p = next;
-      }
-      slope = n * (x * p - before) / (x * x - 1);
-      x -= p / slope;
-      if (std::fabs(p / slope) < 1e-15)
-        break;
-    }
-    q.x.push_back(0.5 * (1 - x));
-    q.weight.push_back(1 / ((1 - x * x) * slope * slope));
-  }
-  return q;
-}
-
 /// What wo's visible normals reflect it to, at the nodes of the quadrature: maps that are smooth in
 /// both numbers, and periodic in the azimuth of GGX, whose nodes are equidistant for that reason.
 std::vector<Vec3<double>> directions(const Microfacet<double>& surface, const Vec3<double>& wo,
                                      const Quadrature& q) {
   std::vector<Vec3<double>> result;
-  size_t n = q.x.size();
+  size_t n = q.nodes.size();
   if (surface.options.distribution == kGgx) {
     for (size_t k = 0; k < n * n; ++k)
-      result.push_back(surface.sample_reflection(wo, {q.x[k / n], (k % n + 0.5) / double(n)}));
+      result.push_back(surface.sample_reflection(wo, {q.nodes[k / n], (k % n + 0.5) / double(n)}));
     return result;
   }
   double x = surface.alpha_u * wo.x, y = surface.alpha_v * wo.y, r = std::hypot(x, y);
   double c = r > 0 ? x / r : 1, s = r > 0 ? y / r : 0;
   std::vector<double> along, across;
-  for (double u : q.x) {
+  for (double u : q.nodes) {
     along.push_back(beckmann_visible_slope(wo.z / std::max(r, 1e-30), u));
     across.push_back(erfinv(2 * u - 1));
   }
@@ -63,13 +38,13 @@ std::vector<Vec3<double>> directions(const Microfacet<double>& surface, const Ve
 
 double albedo(const Microfacet<double>& surface, const Vec3<double>& wo, const Quadrature& q) {
   double sum = 0;
-  size_t n = q.x.size();
+  size_t n = q.nodes.size();
   bool periodic = surface.options.distribution == kGgx;
   std::vector<Vec3<double>> wi = directions(surface, wo, q);
   for (size_t k = 0; k < n * n; ++k) {
     MicrofacetReflection<double> r = surface.reflection(wo, wi[k]);
     if (r.pdf > 0)
-      sum += q.weight[k / n] * (periodic ? 1.0 / n : q.weight[k % n]) * r.value / r.pdf;
+      sum += q.weights[k / n] * (periodic ? 1.0 / n : q.weights[k % n]) * r.value / r.pdf;
   }
   return sum;
 }
@@ -110,10 +85,10 @@ double mean_of_slice(const double* slice, double roughness, double ratio) {
     for (int i = 0; i < steps; ++i) {
       double c0 = i / double(steps), c1 = (i + 1) / double(steps);
       double m0 = cosine_of(c0, along), m1 = cosine_of(c1, along), v0 = value(i), v1 = value(i + 1);
-      for (size_t q = 0; q < inner.x.size(); ++q) {
-        double mu = m0 + (m1 - m0) * inner.x[q];
+      for (size_t q = 0; q < inner.nodes.size(); ++q) {
+        double mu = m0 + (m1 - m0) * inner.nodes[q];
         double t = std::sqrt(mu * (1 + along) / (mu + along)) * steps - i;
-        sum += 2 * mu * (v0 + (v1 - v0) * t) * inner.weight[q] * (m1 - m0) / azimuths;
+        sum += 2 * mu * (v0 + (v1 - v0) * t) * inner.weights[q] * (m1 - m0) / azimuths;
       }
     }
   }

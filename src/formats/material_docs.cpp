@@ -82,6 +82,10 @@ std::string range_text(const ParamInfo& p) {
   std::string low = std::isinf(p.hard.low) ? "(-inf" : "[" + number(p.hard.low);
   std::string high = std::isinf(p.hard.high) ? "inf)" : number(p.hard.high) + "]";
   std::string text = low + ", " + high;
+  // Taken as the contract says, but tests and sliders stay in what makes sense.
+  bool open = std::isinf(p.hard.high) && std::isfinite(p.soft.high) && p.soft.high > p.soft.low;
+  if (open && p.kind != ParamKind::ior)
+    text += fmt::format(", usual {} to {}", number(p.soft.low), number(p.soft.high));
   return p.kind == ParamKind::ior ? text + " or a name" : text;
 }
 
