@@ -24,7 +24,37 @@ FACETA_INLINE int store_rows(float* out, MaskOf<T> mask, const T (&columns)[16])
   return mask ? 1 : 0;
 }
 
+/// out[k] lane i = base[4 index[i] + k].
+template <class T>
+FACETA_INLINE void load_quads(const float* base, const IntOf<T>& index, T (&out)[4]) {
+  const float* p = base + 4 * int64_t(index);
+  for (int k = 0; k < 4; ++k)
+    out[k] = T(p[k]);
+}
+
 #if FACETA_LANE_WIDTH == 16
+template <>
+FACETA_INLINE void load_quads<Lanes>(const float* base, const LaneInt& index, Lanes (&out)[4]) {
+  alignas(64) int32_t at[16];
+  store(at, index);
+  auto quad = [&](int i) { return _mm_loadu_ps(base + 4 * int64_t(at[i])); };
+  __m512 r[4]; // r[j]: lanes j, 4 + j, 8 + j, 12 + j
+  for (int j = 0; j < 4; ++j) {
+    r[j] = _mm512_castps128_ps512(quad(j));
+    r[j] = _mm512_insertf32x4(r[j], quad(4 + j), 1);
+    r[j] = _mm512_insertf32x4(r[j], quad(8 + j), 2);
+    r[j] = _mm512_insertf32x4(r[j], quad(12 + j), 3);
+  }
+  __m512d a = _mm512_castps_pd(_mm512_unpacklo_ps(r[0], r[1]));
+  __m512d b = _mm512_castps_pd(_mm512_unpackhi_ps(r[0], r[1]));
+  __m512d c = _mm512_castps_pd(_mm512_unpacklo_ps(r[2], r[3]));
+  __m512d d = _mm512_castps_pd(_mm512_unpackhi_ps(r[2], r[3]));
+  out[0].v.raw = _mm512_castpd_ps(_mm512_unpacklo_pd(a, c));
+  out[1].v.raw = _mm512_castpd_ps(_mm512_unpackhi_pd(a, c));
+  out[2].v.raw = _mm512_castpd_ps(_mm512_unpacklo_pd(b, d));
+  out[3].v.raw = _mm512_castpd_ps(_mm512_unpackhi_pd(b, d));
+}
+
 /// r becomes out with out[i] lane j = r[j] lane i.
 FACETA_INLINE void transpose16(__m512 (&r)[16], __m512 (&out)[16]) {
   __m512 t[16];
@@ -101,6 +131,23 @@ FACETA_INLINE void transpose8(__m256 (&r)[8]) {
 #endif
 
 #if FACETA_LANE_WIDTH == 8
+template <>
+FACETA_INLINE void load_quads<Lanes>(const float* base, const LaneInt& index, Lanes (&out)[4]) {
+  alignas(32) int32_t at[8];
+  store(at, index);
+  auto quad = [&](int i) { return _mm_loadu_ps(base + 4 * int64_t(at[i])); };
+  __m256 r[4]; // r[j]: lanes j, 4 + j
+  for (int j = 0; j < 4; ++j)
+    r[j] = _mm256_insertf128_ps(_mm256_castps128_ps256(quad(j)), quad(4 + j), 1);
+  __m256d a = _mm256_castps_pd(_mm256_unpacklo_ps(r[0], r[1]));
+  __m256d b = _mm256_castps_pd(_mm256_unpackhi_ps(r[0], r[1]));
+  __m256d c = _mm256_castps_pd(_mm256_unpacklo_ps(r[2], r[3]));
+  __m256d d = _mm256_castps_pd(_mm256_unpackhi_ps(r[2], r[3]));
+  out[0].v.raw = _mm256_castpd_ps(_mm256_unpacklo_pd(a, c));
+  out[1].v.raw = _mm256_castpd_ps(_mm256_unpackhi_pd(a, c));
+  out[2].v.raw = _mm256_castpd_ps(_mm256_unpacklo_pd(b, d));
+  out[3].v.raw = _mm256_castpd_ps(_mm256_unpackhi_pd(b, d));
+}
 template <> FACETA_INLINE void load_rows<Lanes>(const float* base, int stride, const int32_t* index,
                                                 Lanes (&out)[16]) {
   for (int half = 0; half < 2; ++half) {

@@ -66,9 +66,9 @@ FACETA_INLINE Color<T> fetch_texel(const TextureView& t, const IntOf<T>& x, cons
     T scale = T(1.0f / 255.0f);
     return Color<T>(to_float(r) * scale, to_float(g) * scale, to_float(b) * scale);
   }
-  I word = index << 2;
-  return Color<T>(gather<T>(t.texels, word), gather<T>(t.texels + 1, word),
-                  gather<T>(t.texels + 2, word));
+  T rgba[4];
+  load_quads<T>(t.texels, index, rgba);
+  return Color<T>(rgba[0], rgba[1], rgba[2]);
 }
 
 /// The texels around a point and its fractions between them; with `nearest` all four are the one.
