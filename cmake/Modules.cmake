@@ -18,6 +18,13 @@ set(FACETA_ISAS scalar v3 v4)
 set(FACETA_FLAGS_scalar -DFACETA_LANE_WIDTH=1)
 set(FACETA_FLAGS_v3 -march=x86-64-v3 -maes -mpclmul -DFACETA_LANE_WIDTH=8)
 set(FACETA_FLAGS_v4 -march=x86-64-v4 -maes -mpclmul -DFACETA_LANE_WIDTH=16)
+if(FACETA_FUZZ)
+  # Kernels see no untrusted input, and clang has no sanitizers to link a module with.
+  set(FACETA_MODULE_OPTIMISATION -fno-sanitize=all -O1)
+elseif(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+  # GCC 12 unrolls the loops over channels and coefficients at -O3 only.
+  set(FACETA_MODULE_OPTIMISATION $<$<CONFIG:Release,RelWithDebInfo>:-O3>)
+endif()
 set(FACETA_MODULE_SCRIPT ${CMAKE_CURRENT_LIST_DIR}/module.map)
 # This tree; find_package(faceta) has named the installed headers and library instead.
 if(NOT FACETA_INCLUDE_FOLDER)
@@ -86,8 +93,7 @@ function(faceta_add_material_modules name)
     target_compile_features(${target} PRIVATE cxx_std_20)
     target_compile_options(${target} PRIVATE ${FACETA_MODULE_FLAGS} ${FACETA_FLAGS_${isa}} -DFACETA_ISA_NAME="${isa}"
       -fvisibility=hidden -fvisibility-inlines-hidden -Wno-missing-field-initializers
-      # GCC 12 unrolls the loops over channels and coefficients at -O3 only.
-      $<$<CONFIG:Release,RelWithDebInfo>:-O3>)
+      ${FACETA_MODULE_OPTIMISATION})
     target_link_options(${target} PRIVATE -Wl,--version-script=${FACETA_MODULE_SCRIPT} -Wl,--no-undefined)
     target_link_libraries(${target} PRIVATE ${M_LIBS})
     set_target_properties(${target} PROPERTIES PREFIX "" OUTPUT_NAME ${name}_${isa}
