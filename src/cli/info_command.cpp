@@ -148,9 +148,14 @@ int run_info(const InfoOptions& options) {
     text += cpu_text(all.back());
   }
   for (const std::string& file : options.files) {
-    bool scene = fs::path(file).extension() == ".xml";
-    all.push_back(scene ? scene_json(file, options.defines) : image_json(file));
-    text += scene ? scene_text(all.back()) : image_text(all.back());
+    if (fs::path(file).extension() == ".xml") {
+      SceneInfo info = scene_info(file, options.defines);
+      all.push_back(Json::parse(info.json));
+      text += info.text;
+    } else {
+      all.push_back(image_json(file));
+      text += image_text(all.back());
+    }
   }
   if (options.json)
     text =

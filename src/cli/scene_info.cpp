@@ -78,8 +78,6 @@ std::string sensor_text(const Json& s, size_t number) {
                             s["seed"].get<uint32_t>());
 }
 
-} // namespace
-
 Json scene_json(const std::string& file, const Settings& defines) {
   xml::ParseOptions parse;
   parse.defines = defines;
@@ -123,6 +121,13 @@ std::string scene_text(const Json& j) {
   for (size_t i = 0; i < j["sensors"].size(); ++i)
     text += sensor_text(j["sensors"][i], i);
   return text;
+}
+
+} // namespace
+
+SceneInfo scene_info(const std::string& file, const Settings& defines) {
+  Json json = scene_json(file, defines);
+  return {json.dump(2, ' ', false, Json::error_handler_t::replace), scene_text(json)};
 }
 
 } // namespace faceta::cli

@@ -2,16 +2,16 @@
 
 #include "bsdf/registry.h"
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace faceta::cli {
 
+struct SceneInfo {
+  std::string json, text;
+};
+
 /// What is in a scene file, read with all the files that it names: shapes, materials, textures and
 /// emitters by type, triangles, memory, integrator and sensors. Error as for rendering it.
-nlohmann::ordered_json scene_json(const std::string& file, const Settings& defines);
-
-/// The same as text.
-std::string scene_text(const nlohmann::ordered_json& scene);
+SceneInfo scene_info(const std::string& file, const Settings& defines);
 
 } // namespace faceta::cli
