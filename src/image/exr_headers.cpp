@@ -96,6 +96,12 @@ void read_window(Walker& w, Part& part) {
   part.width = x1 - x0 + 1, part.height = y1 - y0 + 1;
 }
 
+void check_tiles(const Part& part, const Walker& w) {
+  if (part.tile_width < 1 || part.tile_height < 1 || part.tile_width > kMaxDimension ||
+      part.tile_height > kMaxDimension)
+    w.fail(fmt::format("tiles of {} x {} pixels", part.tile_width, part.tile_height));
+}
+
 void read_attribute(View file, const std::string& name, const std::string& key,
                     const std::string& type, Part& part) {
   Walker w(file, name);
@@ -107,8 +113,10 @@ void read_attribute(View file, const std::string& name, const std::string& key,
     part.type.assign(reinterpret_cast<const char*>(file.data()), file.size());
   if (key == "chunkCount" && type == "int")
     part.chunk_count = w.u32();
-  if (key == "tiles" && type == "tiledesc")
+  if (key == "tiles" && type == "tiledesc") {
     part.tile_width = w.u32(), part.tile_height = w.u32();
+    check_tiles(part, w); // OpenEXR rounds up to tiles in files of scan lines too
+  }
 }
 
 /// One header up to its empty name. False if it is empty: the end of a multi-part file's headers.
@@ -136,9 +144,7 @@ std::int64_t ceil_div(std::int64_t a, std::int64_t b) {
 /// Number of entries in the chunk table (at least, where there are mip-maps).
 std::int64_t chunks(const Part& part, bool tiled, Walker& w) {
   if (tiled) {
-    if (part.tile_width < 1 || part.tile_height < 1 || part.tile_width > kMaxDimension ||
-        part.tile_height > kMaxDimension)
-      w.fail(fmt::format("tiles of {} x {} pixels", part.tile_width, part.tile_height));
+    check_tiles(part, w);
     return ceil_div(part.width, part.tile_width) * ceil_div(part.height, part.tile_height);
   }
   // Scan lines in one chunk: none, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA, DWAB.

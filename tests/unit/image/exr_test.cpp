@@ -239,3 +239,14 @@ TEST(Exr, AttributesOfAnotherSizeThanTheirTypeAreRefused) {
   EXPECT_CONTAINS(hide("dataWindow", "box2i"), "'dataWindow' of type box2i claims 26 bytes");
   EXPECT_CONTAINS(hide("eye", "v3f"), "'eye' of type v3f claims 22 bytes, but has 12");
 }
+
+// A file of scan lines may carry a description of tiles, whose sizes must not overflow anything.
+TEST(Exr, TilesOfAbsurdSizeAreRefusedInScanLinesToo) {
+  const TempDir dir;
+  write_image(dir / "a.exr", half_noise(8, 8));
+  const codec::Bytes bytes = codec::read_file(dir / "a.exr");
+  std::string text(bytes.begin(), bytes.end());
+  text.insert(8, std::string("tiles\0tiledesc\0\x09\0\0\0\xff\xff\xff\xff\xff\xff\xff\xff\0", 28));
+  write_bytes(dir / "b.exr", text);
+  EXPECT_CONTAINS(read_error(dir / "b.exr"), "tiles of 4294967295 x 4294967295 pixels");
+}
