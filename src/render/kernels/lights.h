@@ -280,6 +280,33 @@ template <class T> struct LightPoint {
   MaskOf<T> valid; ///< p lies on the emitting side
 };
 
+/// A point of the spheres: in the cone that they fill, or anywhere on those that p is inside of.
+/// Returns the lanes that p is outside of.
+template <class T>
+FACETA_INLINE MaskOf<T> sample_sphere_light(const LightLanes<T>& l, const MaskOf<T>& sphere,
+                                            const Vec3<T>& p, const Vec2<T>& u, Vec3<T>& offset,
+                                            Vec3<T>& normal, T& solid_pdf) {
+  Vec3<T> to_center = l.p - p;
+  T cone = sphere_cone(l, to_center);
+  auto outside = cone > T(0);
+  T d2 = dot(to_center, to_center), distance = sqrt(d2);
+  Frame<T> frame = frame_from_normal(to_center * (T(1) / distance));
+  T one_minus_cos = u.x * cone, cosine = T(1) - one_minus_cos;
+  T sin2 = one_minus_cos * (T(1) + cosine);
+  SinCos<T> phi = sincos(T(2 * kPi) * u.y);
+  T sine = sqrt(max(sin2, T(0)));
+  Vec3<T> w = frame.to_world({sine * phi.cos, sine * phi.sin, cosine});
+  T along = fma(distance, cosine, -safe_sqrt(l.radius * l.radius - d2 * sin2));
+  Vec3<T> anywhere = uniform_sphere(u);
+  Vec3<T> near_point = fma(anywhere, l.radius, to_center);
+  offset = select(sphere, select(outside, w * along, near_point), offset);
+  normal = select(sphere, anywhere * l.n.x, normal); // n.x: orientation of the sphere
+  // From the centre to the point, both seen from p.
+  normal = select(sphere & outside, normalize(offset - to_center) * l.n.x, normal);
+  solid_pdf = select(sphere & outside, T(1 / (2 * kPi)) / select(outside, cone, T(1)), solid_pdf);
+  return outside;
+}
+
 template <class T> FACETA_INLINE LightPoint<T>
 sample_light(const SceneView& scene, const LightLanes<T>& l, const Vec3<T>& p, const Vec2<T>& u) {
   using I = IntOf<T>;
@@ -313,25 +340,11 @@ sample_light(const SceneView& scene, const LightLanes<T>& l, const Vec3<T>& p, c
     by_area = by_area & !wide;
   }
   if (any(sphere)) {
-    Vec3<T> to_center = l.p - p;
-    T cone = sphere_cone(l, to_center);
-    auto outside = cone > T(0);
-    T d2 = dot(to_center, to_center), distance = sqrt(d2);
-    Frame<T> frame = frame_from_normal(to_center * (T(1) / distance));
-    T one_minus_cos = u.x * cone, cosine = T(1) - one_minus_cos;
-    T sin2 = one_minus_cos * (T(1) + cosine);
-    SinCos<T> phi = sincos(T(2 * kPi) * u.y);
-    T sine = sqrt(max(sin2, T(0)));
-    Vec3<T> w = frame.to_world({sine * phi.cos, sine * phi.sin, cosine});
-    T along = fma(distance, cosine, -safe_sqrt(l.radius * l.radius - d2 * sin2));
-    Vec3<T> anywhere = uniform_sphere(u);
-    Vec3<T> near_point = fma(anywhere, l.radius, to_center);
-    s.offset = select(sphere, select(outside, w * along, near_point), s.offset);
-    normal = select(sphere, anywhere * l.n.x, normal); // n.x: orientation of the sphere
-    // From the centre to the point, both seen from p.
-    normal = select(sphere & outside, normalize(s.offset - to_center) * l.n.x, normal);
-    solid_pdf = select(sphere & outside, T(1 / (2 * kPi)) / select(outside, cone, T(1)), solid_pdf);
-    by_area = by_area | (sphere & !outside);
+    by_area =
+        by_area | (sphere & !sample_sphere_light(l, sphere, p, u, s.offset, normal, solid_pdf));
+    auto textured = sphere & (l.texture >= I(0));
+    if (any(textured))
+      sphere_light_uv(scene, l, textured, p + s.offset, b1, b2);
   }
   if (any(quadric))
     sample_quadric_light(scene, l, quadric, p, u, s.offset, normal, b1, b2);

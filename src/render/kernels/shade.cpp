@@ -181,7 +181,8 @@ void Wavefront::begin_group(const ClassView& c, const int32_t* order, int n, Gro
   }
 }
 
-void Wavefront::shade_group(const ClassView& c, Group& g) {
+/// Adds the light of what the paths of a group met. Returns those that go on.
+FACETA_INLINE Wavefront::M Wavefront::meet(const Group& g) {
   const RenderSettings& settings = job_.settings;
   const PathLanes& path = g.path;
   const SurfaceLanes<T>& s = g.surface;
@@ -200,6 +201,14 @@ void Wavefront::shade_group(const ClassView& c, Group& g) {
       clear_alpha(path.slot, ends & !lit & (path.pdf == T(kUnscattered)));
     active = active & !ends;
   }
+  return active;
+}
+
+void Wavefront::shade_group(const ClassView& c, Group& g) {
+  const RenderSettings& settings = job_.settings;
+  const PathLanes& path = g.path;
+  const SurfaceLanes<T>& s = g.surface;
+  M active = meet(g);
   if (none(active))
     return;
 

@@ -76,9 +76,7 @@ void Wavefront::refill() {
   survivors_ = survivors; // everything behind it was traced by generate()
 }
 
-void Wavefront::generate(int count) {
-  int ring_index = static_cast<int>((tail_ - 1) % kChunkRing);
-  ChunkState& c = ring_[ring_index];
+void Wavefront::list_samples(const ChunkState& c, int count) {
   const CameraView& camera = scene_.camera;
   // Which pixel and sample each path is: counted, not divided.
   int pixel = c.generated / c.chunk.samples, sample = c.generated % c.chunk.samples;
@@ -95,6 +93,41 @@ void Wavefront::generate(int count) {
       }
     }
   }
+}
+
+FACETA_INLINE void Wavefront::start_paths(int row_index, const CameraRay<T>& r, const I& slot,
+                                          const I& pixel_index, const I& s) {
+  T row[16] = {r.o.x,
+               r.o.y,
+               r.o.z,
+               r.d.x,
+               r.d.y,
+               r.d.z,
+               T(kUnscattered),
+               T(1),
+               T(1),
+               T(1),
+               T(1),
+               bits_float(slot),
+               bits_float(pixel_index),
+               bits_float(s),
+               bits_float(I(0)),
+               bits_float(I(0))};
+  store_rows<T>(rows_ + 16 * row_index, M(true), row);
+  if (scene_.environment.columns) {
+    SampleStream<T> vertex(as_uint(pixel_index), as_uint(s), job_.settings.seed,
+                           job_.settings.sampler == SamplerType::sobol);
+    Vec2<T> place = environment_place(vertex, I(1), environment_choice(vertex, I(1)));
+    store(places_ + row_index, place.x);
+    store(places_ + kPoolRows + row_index, place.y);
+  }
+}
+
+void Wavefront::generate(int count) {
+  int ring_index = static_cast<int>((tail_ - 1) % kChunkRing);
+  ChunkState& c = ring_[ring_index];
+  const CameraView& camera = scene_.camera;
+  list_samples(c, count);
   float* rays = camera_rays_;
   int first_slot = ring_index * kMaxChunkPaths + c.generated;
   for (int i = 0; i < count; i += W) {
@@ -116,30 +149,7 @@ void Wavefront::generate(int count) {
     for (int k = 0; k < 8; ++k)
       store(rays + k * kCameraStride + i, fields[k]);
     I slot = I(first_slot + i) + iota<T>();
-    T row[16] = {r.o.x,
-                 r.o.y,
-                 r.o.z,
-                 r.d.x,
-                 r.d.y,
-                 r.d.z,
-                 T(kUnscattered),
-                 T(1),
-                 T(1),
-                 T(1),
-                 T(1),
-                 bits_float(slot),
-                 bits_float(pixel_index),
-                 bits_float(s),
-                 bits_float(I(0)),
-                 bits_float(I(0))};
-    store_rows<T>(rows_ + 16 * (count_ + i), M(true), row);
-    if (scene_.environment.columns) {
-      SampleStream<T> vertex(as_uint(pixel_index), as_uint(s), job_.settings.seed,
-                             job_.settings.sampler == SamplerType::sobol);
-      Vec2<T> place = environment_place(vertex, I(1), environment_choice(vertex, I(1)));
-      store(places_ + count_ + i, place.x);
-      store(places_ + kPoolRows + count_ + i, place.y);
-    }
+    start_paths(count_ + i, r, slot, pixel_index, s);
   }
   RayArrays arrays{{rays, rays + kCameraStride, rays + 2 * kCameraStride},
                    {rays + 3 * kCameraStride, rays + 4 * kCameraStride, rays + 5 * kCameraStride},

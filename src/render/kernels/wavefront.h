@@ -113,6 +113,9 @@ private:
   void refill();
   bool open_chunk();
   void generate(int count);
+  void list_samples(const ChunkState& c, int count);
+  void start_paths(int row_index, const CameraRay<T>& r, const I& slot, const I& pixel_index,
+                   const I& s);
   void finish_chunks();
   HitArrays hit_arrays() const;
   void trace();
@@ -122,6 +125,7 @@ private:
   void shade_class(const ClassView& c, const int32_t* order, int n);
   void begin_group(const ClassView& c, const int32_t* order, int n, Group& g) const;
   void shade_group(const ClassView& c, Group& g);
+  M meet(const Group& g);
   void shadows();
 
   PathLanes load_paths(const int32_t* order) const;
