@@ -1,7 +1,9 @@
 #include "base/error.h"
 #include "image/codecs.h"
 
+#include <algorithm>
 #include <csetjmp>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <fmt/format.h>
@@ -17,8 +19,9 @@ namespace faceta::codec {
 namespace {
 
 /// A progressive file of a few kilobytes can ask for thousands of passes over a huge picture; real
-/// ones have about ten.
-constexpr int kMaxScans = 200;
+/// ones have about ten. Few are allowed where a pass takes seconds.
+constexpr std::int64_t kMaxScans = 200, kScansOfAnySize = 20,
+                       kMaxScannedPixels = std::int64_t(1) << 32;
 
 struct State {
   jpeg_decompress_struct jpeg{};
@@ -64,9 +67,12 @@ void on_output(j_common_ptr) {}
 
 void on_progress(j_common_ptr jpeg) {
   State& s = state_of(jpeg);
-  if (s.jpeg.input_scan_number <= kMaxScans)
+  const std::int64_t pixels = std::int64_t(s.jpeg.image_width) * s.jpeg.image_height;
+  const int limit =
+      static_cast<int>(std::clamp(kMaxScannedPixels / pixels, kScansOfAnySize, kMaxScans));
+  if (s.jpeg.input_scan_number <= limit)
     return;
-  std::snprintf(s.message, sizeof s.message, "it has more than %d scans", kMaxScans);
+  std::snprintf(s.message, sizeof s.message, "it has more than %d scans", limit);
   std::longjmp(s.jump, 1);
 }
 

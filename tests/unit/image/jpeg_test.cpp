@@ -11,7 +11,7 @@ using namespace faceta::test;
 namespace {
 
 /// Encodes a smooth picture with libjpeg itself.
-codec::Bytes encode(int width, int height, J_COLOR_SPACE space, bool progressive) {
+codec::Bytes encode(int width, int height, J_COLOR_SPACE space, bool progressive, int scans = 0) {
   const int channels = space == JCS_GRAYSCALE ? 1 : space == JCS_CMYK ? 4 : 3;
   jpeg_compress_struct jpeg;
   jpeg_error_mgr errors;
@@ -27,6 +27,11 @@ codec::Bytes encode(int width, int height, J_COLOR_SPACE space, bool progressive
   jpeg_set_quality(&jpeg, 97, TRUE);
   if (progressive)
     jpeg_simple_progression(&jpeg);
+  std::vector<jpeg_scan_info> script{{1, {0}, 0, 0, 0, 0}}; // grey: each coefficient, bit by bit
+  for (int i = 0; i + 1 < scans; ++i)
+    script.push_back({1, {0}, 1 + i / 4, 1 + i / 4, i % 4 == 0 ? 0 : 4 - i % 4, 3 - i % 4});
+  if (scans > 0)
+    jpeg.scan_info = script.data(), jpeg.num_scans = scans;
   jpeg_start_compress(&jpeg, TRUE);
   codec::Bytes row(std::size_t(width * channels));
   for (int y = 0; y < height; ++y) {
@@ -109,4 +114,16 @@ TEST(Jpeg, HugeClaimsAreRefusedBeforeAllocation) {
     }
   codec::write_file(dir / "h.jpg", bytes);
   EXPECT_CONTAINS(read_error(dir / "h.jpg"), "too short");
+}
+
+TEST(Jpeg, FilesOfMoreScansThanAnyoneMakesAreRefused) {
+  const codec::Bytes some = encode(16, 16, JCS_GRAYSCALE, true, 150);
+  EXPECT_EQ(codec::decode(some, "some").bitmap.width, 16);
+  const codec::Bytes many = encode(16, 16, JCS_GRAYSCALE, true, 240);
+  try {
+    codec::decode(many, "many");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_CONTAINS(error.what(), "more than 200 scans");
+  }
 }
