@@ -113,9 +113,8 @@ int LightStore::add_sphere(const Sphere& sphere, int primitive, const Emission& 
   r.n[0] = sphere.flip ? -1.0f : 1.0f;
   Double3 reach{sphere.radius, sphere.radius, sphere.radius};
   Box box{sub(sphere.center, reach), double3::add(sphere.center, reach)};
-  // Kernels do not know the uv of a sampled point of a sphere: light from textured ones is left to
-  // chance.
-  return add(r, round_bounds(box), emission, emission.texture < 0 ? kPi * surface_area(sphere) : 0);
+  identity_uv(r);
+  return add(r, round_bounds(box), emission, kPi * surface_area(sphere));
 }
 
 int LightStore::add_disk(const Disk& disk, const Box& box, int primitive,

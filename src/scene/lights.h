@@ -19,7 +19,7 @@ public:
   };
 
   /// Each of these appends a light and returns its number; final_light() turns that into its place
-  /// in records(). Lights without power, textured spheres and uneven tubes are never
+  /// in records(). Lights without power and uneven tubes are never
   /// chosen, but shine when met by chance.
   int add_triangle(const TriangleRecord& triangle, int primitive, const Emission& emission);
   /// The parallelogram with corner v0 and edges e1, e2 of the triangle, which must be orthogonal.

@@ -117,6 +117,13 @@ FACETA_INLINE QuadricLanes<T> load_quadrics(const SceneView& scene, const IntOf<
   return q;
 }
 
+/// uv of a point on the unit sphere.
+template <class T> FACETA_INLINE Vec2<T> sphere_uv(const Vec3<T>& l) {
+  T phi = atan2(l.y, l.x);
+  phi = select(phi < T(0), phi + T(2 * kPi), phi);
+  return {phi * T(kInvTwoPi), acos(clamp(l.z, T(-1), T(1))) * T(kInvPi)};
+}
+
 /// A quadric at the distance that Embree's callback found.
 template <class T>
 FACETA_INLINE SurfaceLanes<T> quadric_point(const SceneView& scene, const IntOf<T>& index,
@@ -132,17 +139,13 @@ FACETA_INLINE SurfaceLanes<T> quadric_point(const SceneView& scene, const IntOf<
   T scale = T(1) / max(select(sphere, norm, rho), T(1e-20f));
   l = select(disk, Vec3<T>{l.x, l.y, T(0)},
              Vec3<T>{l.x * scale, l.y * scale, select(sphere, l.z * scale, l.z)});
-  T phi = atan2(l.y, l.x);
-  phi = select(phi < T(0), phi + T(2 * kPi), phi);
-  T theta = acos(clamp(l.z, T(-1), T(1)));
+  Vec2<T> around = sphere_uv(l);
   SurfaceLanes<T> point;
   point.p = transform_point(q.to_world, l);
   Vec3<T> n = select(disk, Vec3<T>{T(0), T(0), T(1)}, Vec3<T>{l.x, l.y, select(sphere, l.z, T(0))});
   n = normalize(transform_normal(q.to_local, n)) * q.flip;
   point.geometric = n;
-  T around = phi * T(kInvTwoPi);
-  point.uv = {select(disk, rho, around),
-              select(sphere, theta * T(kInvPi), select(disk, around, l.z))};
+  point.uv = {select(disk, rho, around.x), select(sphere, around.y, select(disk, around.x, l.z))};
   // Along u: around the axis, outwards on a disk.
   T inverse_rho = T(1) / max(rho, T(1e-20f));
   auto center = disk & (rho < T(1e-20f));
@@ -174,6 +177,16 @@ FACETA_INLINE void sample_quadric_light(const SceneView& scene, const L& light, 
   angle = select(angle < T(0), angle + T(1), angle);
   b1 = select(mask, select(disk, sqrt(fma(d.x, d.x, d.y * d.y)), u.x), b1);
   b2 = select(mask, select(disk, angle, u.y), b2);
+}
+
+/// uv of sampled points p on sphere lights, for the lanes of `mask`.
+template <class T, class L> FACETA_INLINE void sphere_light_uv(const SceneView& scene,
+                                                               const L& light, MaskOf<T> mask,
+                                                               const Vec3<T>& p, T& b1, T& b2) {
+  QuadricLanes<T> q = load_quadrics<T>(scene, select(mask, light.primitive, IntOf<T>(0)));
+  Vec2<T> uv = sphere_uv(normalize(transform_point(q.to_local, p)));
+  b1 = select(mask, uv.x, b1);
+  b2 = select(mask, uv.y, b2);
 }
 
 /// Where a ray leaves the surface on the side of `direction`. The offset covers the rounding of the

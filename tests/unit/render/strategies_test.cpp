@@ -58,8 +58,9 @@ Mean mean_of(const Film& film) {
   return {sum / double(n), std::sqrt(variance) / double(n)};
 }
 
-/// A floor z = 0 and a rectangle light given by its map; both strategies must find the same light.
-void expect_strategies_agree(const ToWorld& light_to_world) {
+/// A floor z = 0 and a lamp that `add` puts above it, given its emission and black material; both
+/// strategies must find the same light.
+template <class Add> void expect_strategies_agree(const Add& add) {
   Scene scene;
   ShapeDesc floor;
   floor.material = add_diffuse(scene, 0.8);
@@ -68,7 +69,7 @@ void expect_strategies_agree(const ToWorld& light_to_world) {
   lamp.material = add_diffuse(scene, 0);
   lamp.emitter = std::make_shared<AreaEmitter>();
   lamp.emitter->radiance.value = {3, 3, 3};
-  scene.add_mesh(rectangle_at(light_to_world), lamp, true);
+  add(scene, lamp);
   scene.build(best_isa());
   look_down(scene, 4, 32);
   Mean lights = mean_of(render_direct(scene, 1, 0, 256).film);
@@ -79,16 +80,36 @@ void expect_strategies_agree(const ToWorld& light_to_world) {
   EXPECT_NEAR(lights.value, both.value, 4 * std::hypot(lights.error, both.error));
 }
 
+void expect_rectangle_agrees(const ToWorld& to_world) {
+  expect_strategies_agree([&](Scene& scene, const ShapeDesc& lamp) {
+    scene.add_mesh(rectangle_at(to_world), lamp, true);
+  });
+}
+
 } // namespace
 
 TEST(Strategies, WideRectangleOverhead) {
   // Faces down from just above the floor, outside of the camera's view of it.
-  expect_strategies_agree({0.5, 0, 0, 0.9, 0, -0.5, 0, 0.9, 0, 0, -1, 0.3, 0, 0, 0, 1});
+  expect_rectangle_agrees({0.5, 0, 0, 0.9, 0, -0.5, 0, 0.9, 0, 0, -1, 0.3, 0, 0, 0, 1});
 }
 
 TEST(Strategies, RectangleThatStandsOnTheFloor) {
   // Its plane cuts the floor: points in it see the light edge-on.
-  expect_strategies_agree({0, 0, 1, -0.5, 0, 0.6, 0, 0, -0.6, 0, 0, 0.6, 0, 0, 0, 1});
+  expect_rectangle_agrees({0, 0, 1, -0.5, 0, 0.6, 0, 0, -0.6, 0, 0, 0.6, 0, 0, 0, 1});
+}
+
+TEST(Strategies, TexturedSphere) {
+  // The lower half of the sphere shines: sampled points must know their uv.
+  expect_strategies_agree([](Scene& scene, ShapeDesc lamp) {
+    TextureDesc checkers;
+    checkers.type = TextureType::checkerboard;
+    checkers.to_uv = {0.5, 0, 0, 0, 1, 0};
+    checkers.color[0] = {0, 0, 0};
+    checkers.color[1] = {9, 9, 9};
+    lamp.emitter->radiance.texture = scene.add_texture(checkers);
+    ToWorld tilted{0.8, 0, 0.6, 0, 0, 1, 0, 0, -0.6, 0, 0.8, 0.7, 0, 0, 0, 1};
+    scene.add_sphere(make_sphere({0, 0, 0}, 0.4, false, tilted), lamp);
+  });
 }
 
 TEST(Furnace, WhiteSphereInAWhiteWorldIsInvisible) {
