@@ -1,6 +1,7 @@
 #include "formats/csv.h"
 
 #include "base/error.h"
+#include "base/happens_before.h"
 #include "formats/output_file.h"
 
 #include <algorithm>
@@ -434,6 +435,7 @@ void run_blocks(BlockReader& reader, const Transform& transform,
                                          } catch (const Error& error) {
                                            reading = error;
                                          }
+                                         happens_before::publish(&stopped);
                                          if (!block) {
                                            control.stop();
                                            return BlockPointer();
@@ -441,22 +443,28 @@ void run_blocks(BlockReader& reader, const Transform& transform,
                                          return std::make_shared<Block>(std::move(*block));
                                        });
   // The lines of a work point into its block, which lives until the text is made.
-  tbb::filter<BlockPointer, WorkPointer> run(
-      tbb::filter_mode::parallel, [&](const BlockPointer& block) { return transform.run(*block); });
+  tbb::filter<BlockPointer, WorkPointer> run(tbb::filter_mode::parallel,
+                                             [&](const BlockPointer& block) {
+                                               WorkPointer work = transform.run(*block);
+                                               happens_before::publish(&stopped);
+                                               return work;
+                                             });
   tbb::filter<WorkPointer, void> append(tbb::filter_mode::serial_in_order,
                                         [&](const WorkPointer& work) {
                                           try {
                                             if (work->error)
-                                              throw *work->error;
+                                              throw Error(*work->error);
                                             if (!stopped)
                                               write(work->text);
                                           } catch (const Error& error) {
                                             row = row ? row : error;
                                             stopped = true;
                                           }
+                                          happens_before::publish(&stopped);
                                         });
   size_t tokens = 2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()) + 2;
   tbb::parallel_pipeline(tokens, read & run & append);
+  happens_before::receive(&stopped);
   if (row || reading)
     throw row ? *row : *reading;
 }

@@ -1,3 +1,4 @@
+#include "base/happens_before.h"
 #include "formats/mesh_obj.h"
 #include "formats/mesh_ply.h"
 #include "formats/mitsuba_reader.h"
@@ -173,7 +174,9 @@ void Reader::load_pending_shapes() {
       } catch (...) {
         errors[i] = std::current_exception();
       }
+      happens_before::publish(&meshes);
     });
+    happens_before::receive(&meshes);
     for (size_t i = 0; i < count; ++i) {
       PendingShape& shape = shapes_[begin + i];
       located(shape.where, [&] {
