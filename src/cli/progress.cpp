@@ -1,5 +1,6 @@
 #include "cli/progress.h"
 
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <string>
@@ -44,7 +45,7 @@ void ProgressLine::update(const Progress& p) {
                 duration(eta).c_str());
   if (terminal_) {
     constexpr int kWidth = 28;
-    int filled = static_cast<int>(p.fraction * kWidth + 0.5);
+    auto filled = static_cast<int>(std::lround(p.fraction * kWidth));
     std::string bar = std::string(filled, '=') + std::string(kWidth - filled, ' ');
     std::fprintf(stderr, "\r[%s] %s\x1b[K", bar.c_str(), tail);
     std::fflush(stderr);

@@ -25,8 +25,8 @@ void complain(CsvRows& rows, int row, int input, std::string message, std::strin
 /// The inputs first, first + 1 and first + 2 must be a unit vector.
 void check_directions(CsvRows& rows, int first, const std::string& name) {
   const float* v[3];
-  for (int k = 0; k < 3; ++k)
-    v[k] = rows.input[static_cast<size_t>(first + k)].data();
+  for (size_t k = 0; k < 3; ++k)
+    v[k] = rows.input[static_cast<size_t>(first) + k].data();
   for (int i = 0; i < rows.count; ++i) {
     double x = v[0][i], y = v[1][i], z = v[2][i];
     double length = std::sqrt(x * x + y * y + z * z);
@@ -84,8 +84,9 @@ float lobe_word(int32_t flags) {
     return 2;
   case kNullLobe:
     return 3;
+  default:
+    return 0;
   }
-  return 0;
 }
 
 void write_samples(const SampleColumns& columns, CsvRows& rows) {

@@ -128,7 +128,7 @@ std::array<double, 6> read_to_uv(const xml::Node& node) {
 }
 
 template <class T> void append(std::string& key, const T& value) {
-  key.append(reinterpret_cast<const char*>(&value), sizeof value);
+  key.append(reinterpret_cast<const char*>(&value), sizeof(T));
 }
 
 std::string key_of(const TextureDesc& texture) {

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <charconv>
+#include <clocale>
 #include <cmath>
 #include <cstdlib>
 #include <fmt/format.h>
-#include <locale.h>
 
 namespace faceta::xml {
 

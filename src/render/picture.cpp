@@ -7,8 +7,8 @@ namespace faceta {
 namespace {
 
 std::vector<std::string> format_channels(const std::string& format, bool& luminance, bool& xyz) {
-  luminance = format.rfind("luminance", 0) == 0;
-  xyz = format.rfind("xyz", 0) == 0;
+  luminance = format.starts_with("luminance");
+  xyz = format.starts_with("xyz");
   bool alpha = format == "rgba" || format == "xyza" || format == "luminance_alpha";
   std::vector<std::string> channels;
   if (luminance)

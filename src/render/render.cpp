@@ -178,6 +178,39 @@ private:
   std::thread thread_;
 };
 
+const RenderKernels& kernels_of(Isa isa) {
+  const RenderKernels* kernels = Registry::global().render_kernels(isa);
+  if (!kernels)
+    throw Error(std::string("this processor cannot run the instruction set '") +
+                    kIsaNames[static_cast<int>(isa)] + "'",
+                {}, "use --isa scalar or the default");
+  return *kernels;
+}
+
+Film make_film(const CameraView& camera, bool moments) {
+  Film film;
+  film.width = camera.crop_width;
+  film.height = camera.crop_height;
+  size_t pixels = size_t(film.width) * film.height;
+  film.sums.assign(4 * pixels, 0.0);
+  film.squares.assign(3 * pixels, 0.0);
+  if (moments)
+    film.xyz_squares.assign(3 * pixels, 0.0);
+  return film;
+}
+
+/// Pixels along the edge of a tile, of which one sample fits into a chunk.
+int tile_side(const RenderOptions& options, size_t pixels, int threads) {
+  int splits = options.settings.splits;
+  if (splits > kMaxChunkPaths)
+    throw Error("more than " + std::to_string(kMaxChunkPaths) + " shading samples");
+  int side =
+      options.tile > 0 ? std::min(options.tile, 32) : (pixels >= size_t(threads) * 16384 ? 16 : 8);
+  while (side > 1 && side * side * splits > kMaxChunkPaths)
+    side /= 2;
+  return side;
+}
+
 Image film_image(const Film& film, std::vector<std::string> channels,
                  const std::function<void(size_t, float*)>& pixel) {
   Image image;
@@ -237,30 +270,16 @@ RenderSettings render_settings(const IntegratorDesc& integrator, const SamplerDe
 
 RenderResult render(const Scene& scene, const RenderOptions& options) {
   const SceneView& view = scene.view();
-  const RenderKernels* kernels = Registry::global().render_kernels(options.isa);
-  if (!kernels)
-    throw Error(std::string("this processor cannot run the instruction set '") +
-                    kIsaNames[static_cast<int>(options.isa)] + "'",
-                {}, "use --isa scalar or the default");
+  const RenderKernels& kernels = kernels_of(options.isa);
   RenderResult result;
   Film& film = result.film;
-  film.width = view.camera.crop_width;
-  film.height = view.camera.crop_height;
+  film = make_film(view.camera, options.moments);
   size_t pixels = size_t(film.width) * film.height;
-  film.sums.assign(4 * pixels, 0.0);
-  film.squares.assign(3 * pixels, 0.0);
-  if (options.moments)
-    film.xyz_squares.assign(3 * pixels, 0.0);
   int threads =
       options.threads > 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
   int splits = options.settings.splits;
-  int side =
-      options.tile > 0 ? std::min(options.tile, 32) : (pixels >= size_t(threads) * 16384 ? 16 : 8);
-  while (side > 1 && side * side * splits > kMaxChunkPaths)
-    side /= 2;
-  if (splits > kMaxChunkPaths)
-    throw Error("more than " + std::to_string(kMaxChunkPaths) + " shading samples");
-  std::vector<Tile> tiles = make_tiles(film.width, film.height, side);
+  std::vector<Tile> tiles =
+      make_tiles(film.width, film.height, tile_side(options, pixels, threads));
   // Passes of about four million paths: what Ctrl-C waits for.
   int64_t pass_samples =
       std::clamp<int64_t>((int64_t(1) << 22) / int64_t(pixels * splits), 1, options.spp);
@@ -291,7 +310,7 @@ RenderResult render(const Scene& scene, const RenderOptions& options) {
         FlushDenormals flush;
         Worker worker{pass, film, splits, options.record ? &(*options.record)[index] : nullptr};
         RenderCounters counters;
-        kernels->run(make_job(scene, options.settings, worker), counters);
+        kernels.run(make_job(scene, options.settings, worker), counters);
         std::lock_guard lock(merge);
         add_counters(result.counters, counters);
         film.non_finite += worker.non_finite;

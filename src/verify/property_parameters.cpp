@@ -109,6 +109,7 @@ bool matters(const Model& model, const ParamInfo& p) {
           return true;
       } catch (const Error&) {
         // Not every value goes with every exemplar (equal indices, a name that excludes others).
+        continue;
       }
     }
   }
