@@ -68,6 +68,12 @@ std::string ending_of(const fs::path& path) {
   return ending;
 }
 
+void check_image(const Image& image, const std::string& name) {
+  check_image_size(image.width, image.height, name);
+  if (image.channels.empty() || image.data.size() != image.pixel_count() * image.channels.size())
+    throw Error("the image's data do not fit its size and channels", {name});
+}
+
 } // namespace
 
 codec::Bytes codec::read_file(const fs::path& path) {
@@ -223,11 +229,14 @@ bool can_write_image(const fs::path& path) {
   return std::find(kEndings.begin(), kEndings.end(), ending_of(path)) != kEndings.end();
 }
 
+std::vector<std::uint8_t> encode_png(const Image& image, const WriteOptions& options) {
+  check_image(image, {});
+  return codec::write_png(image, options, {});
+}
+
 void write_image(const fs::path& path, const Image& image, const WriteOptions& options) {
   const std::string ending = ending_of(path), name = path.string();
-  check_image_size(image.width, image.height, name);
-  if (image.channels.empty() || image.data.size() != image.pixel_count() * image.channels.size())
-    throw Error("the image's data do not fit its size and channels", {name});
+  check_image(image, name);
   if (ending == ".exr")
     codec::write_file(path, codec::write_exr(image, options, name));
   else if (ending == ".png")

@@ -3,7 +3,9 @@
 #include "image/bitmap.h"
 #include "image/image.h"
 
+#include <cstdint>
 #include <filesystem>
+#include <vector>
 
 namespace faceta {
 
@@ -44,6 +46,9 @@ struct WriteOptions {
 /// exist. Error: unknown ending, unfit channels, I/O.
 void write_image(const std::filesystem::path& path, const Image& image,
                  const WriteOptions& options = {});
+
+/// The bytes of the PNG file that write_image would write.
+std::vector<std::uint8_t> encode_png(const Image& image, const WriteOptions& options = {});
 
 /// True if write_image knows the ending.
 bool can_write_image(const std::filesystem::path& path);
