@@ -134,7 +134,7 @@ template <class T> void append(std::string& key, const T& value) {
 std::string key_of(const TextureDesc& texture) {
   std::string key;
   append(key, texture.type);
-  append(key, texture.bitmap.get());
+  append(key, reinterpret_cast<uintptr_t>(texture.bitmap.get()));
   append(key, texture.raw);
   append(key, texture.wrap);
   append(key, texture.nearest);

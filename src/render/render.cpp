@@ -150,6 +150,20 @@ void add_counters(RenderCounters& a, const RenderCounters& b) {
   a.groups += b.groups;
 }
 
+uint64_t rays_of(const RenderCounters& c) {
+  return c.camera_rays + c.closest_rays + c.shadow_rays;
+}
+
+/// Calls work(0) ... work(threads - 1), each on a thread of its own, and waits for them.
+void run_on_threads(int threads, const std::function<void(int)>& work) {
+  std::vector<std::thread> pool;
+  for (int i = 1; i < threads; ++i)
+    pool.emplace_back(work, i);
+  work(0);
+  for (std::thread& t : pool)
+    t.join();
+}
+
 /// Calls back about four times a second until destroyed.
 class ProgressThread {
 public:
@@ -299,8 +313,7 @@ RenderResult render(const Scene& scene, const RenderOptions& options) {
       p.fraction = double(done_paths) / total_paths;
       p.samples = static_cast<int64_t>(p.fraction * options.spp);
       std::lock_guard lock(merge);
-      p.rays =
-          result.counters.camera_rays + result.counters.closest_rays + result.counters.shadow_rays;
+      p.rays = rays_of(result.counters);
       return p;
     });
     while (film.samples < options.spp) {
@@ -315,12 +328,7 @@ RenderResult render(const Scene& scene, const RenderOptions& options) {
         add_counters(result.counters, counters);
         film.non_finite += worker.non_finite;
       };
-      std::vector<std::thread> pool;
-      for (int i = 1; i < threads; ++i)
-        pool.emplace_back(work, i);
-      work(0);
-      for (std::thread& t : pool)
-        t.join();
+      run_on_threads(threads, work);
       film.samples = last;
       bool late = options.timeout >= 0 && elapsed() > options.timeout;
       if ((late || (options.stop && *options.stop)) && film.samples < options.spp) {
@@ -330,12 +338,8 @@ RenderResult render(const Scene& scene, const RenderOptions& options) {
     }
   }
   result.seconds = elapsed();
-  if (options.progress) {
-    Progress p{result.seconds, film.samples, options.spp, 1.0,
-               result.counters.camera_rays + result.counters.closest_rays +
-                   result.counters.shadow_rays};
-    options.progress(p);
-  }
+  if (options.progress)
+    options.progress({result.seconds, film.samples, options.spp, 1.0, rays_of(result.counters)});
   return result;
 }
 
