@@ -137,6 +137,10 @@ std::string write_material(const MaterialNode& material, const TextureToXml& tex
   return xml::write_xml(*material_to_xml(material, texture));
 }
 
+Parameters through_xml(const Parameters& parameters) {
+  return *parse_material(write_material(parameters))->parameters;
+}
+
 std::shared_ptr<MaterialNode> parse_material(std::string_view text, const std::string& name,
                                              Scene* scene, const ReadOptions& options) {
   xml::ParseOptions parse;

@@ -22,6 +22,9 @@ xml::NodePtr material_to_xml(const MaterialNode& material, const TextureToXml& t
 std::string write_material(const Parameters& parameters);
 std::string write_material(const MaterialNode& material, const TextureToXml& texture = {});
 
+/// Parameters written as XML and read back.
+Parameters through_xml(const Parameters& parameters);
+
 /// Reads the text of a file that holds one <bsdf>, as read_mitsuba_scene reads it in a scene.
 /// Textures are added to `scene`; without a scene they are an Error.
 std::shared_ptr<MaterialNode> parse_material(std::string_view text,

@@ -127,6 +127,18 @@ xml::NodePtr find_bsdf(const xml::NodePtr& node, const std::string& id,
   return nullptr;
 }
 
+/// All bsdfs, each before those nested in it.
+void collect_bsdfs(const xml::NodePtr& node, std::unordered_set<const xml::Node*>& seen,
+                   std::vector<xml::NodePtr>& bsdfs) {
+  if (!seen.insert(node.get()).second)
+    return;
+  if (node->tag == "bsdf")
+    bsdfs.push_back(node);
+  for (const xml::Property& property : node->properties)
+    if (xml::NodePtr child = property.object())
+      collect_bsdfs(child, seen, bsdfs);
+}
+
 Error no_material(const std::string& id, const std::vector<std::string>& ids,
                   const SourcePosition& where) {
   return Error(fmt::format("the scene has no bsdf with the id '{}'", id), where,
@@ -171,6 +183,22 @@ std::shared_ptr<MaterialNode> read_mitsuba_material(const std::filesystem::path&
   if (!node)
     throw mitsuba::no_material(id, ids, root->where);
   return mitsuba::Reader(&scene, options).read_material(node);
+}
+
+std::vector<std::pair<std::string, std::shared_ptr<MaterialNode>>>
+read_mitsuba_materials(const std::filesystem::path& path, Scene& scene,
+                       const ReadOptions& options) {
+  xml::NodePtr root = xml::parse_scene_file(path, mitsuba::parse_options(options));
+  std::unordered_set<const xml::Node*> seen;
+  std::vector<xml::NodePtr> bsdfs;
+  mitsuba::collect_bsdfs(root, seen, bsdfs);
+  if (bsdfs.empty())
+    throw Error("the scene has no bsdf", root->where);
+  mitsuba::Reader reader(&scene, options);
+  std::vector<std::pair<std::string, std::shared_ptr<MaterialNode>>> materials;
+  for (const xml::NodePtr& bsdf : bsdfs)
+    materials.emplace_back(bsdf->id, reader.read_material(bsdf));
+  return materials;
 }
 
 } // namespace faceta

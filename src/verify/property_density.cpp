@@ -24,7 +24,7 @@ const char* name_of(TransportMode mode) {
 Outcome check_chi_square(const Subject& subject, Effort effort, double level) {
   Outcome outcome;
   outcome.figure = 1;
-  uint64_t seed = 1000;
+  uint64_t seed = subject.stream(1000);
   for (TransportMode mode : modes_of(subject, effort))
     for (const Vec3<float>& wo : viewers(subject, effort)) {
       DensityStudy study = study_density(subject, wo, mode, 1 << 20, ++seed, 0.02);
@@ -43,9 +43,10 @@ Outcome check_chi_square(const Subject& subject, Effort effort, double level) {
   return outcome;
 }
 
-Outcome check_density(const Subject& subject, Effort effort, double) {
+Outcome check_density(const Subject& subject, Effort effort, double level) {
   Outcome outcome;
-  uint64_t seed = 2000;
+  const double z = two_sided_quantile(level);
+  uint64_t seed = subject.stream(2000);
   for (TransportMode mode : modes_of(subject, effort))
     for (const Vec3<float>& wo : viewers(subject, effort)) {
       DensityStudy study = study_density(subject, wo, mode, 1 << 18, ++seed, 0.002);
@@ -53,7 +54,7 @@ Outcome check_density(const Subject& subject, Effort effort, double) {
       double difference = study.total_mass() + study.delta_probability() - (1 - failed);
       double noise = std::sqrt(failed * (1 - failed) / study.samples);
       outcome.figure = std::max(outcome.figure, std::abs(difference));
-      if (!(std::abs(difference) <= 1e-4 + 5 * noise))
+      if (!(std::abs(difference) <= 1e-4 + z * noise))
         outcome.fail(fmt::format("wo = {}, {}: density {:.6f} (quadrature error below {:.1g}) + "
                                  "delta {:.6f} against 1 - {:.6f} failed +- {:.1g}",
                                  to_text(wo), name_of(mode), study.total_mass(), study.mass_error,

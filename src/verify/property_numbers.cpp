@@ -20,7 +20,7 @@ Vec3<float> random_direction(RandomStream& random) {
 // Pairs where the lobes are (sampled ones) and anywhere.
 EvalBatch pairs_of(const Subject& subject, int n, uint64_t seed) {
   SampleBatch s(n);
-  RandomStream random(seed);
+  RandomStream random(subject.stream(seed));
   for (int i = 0; i < n; ++i)
     s.set_viewer(i, random_direction(random));
   s.draw(random);
@@ -122,7 +122,7 @@ std::vector<float> varied_records(const Subject& subject, bool textured_only,
 Outcome check_lanes(const Subject& subject, Effort effort, double) {
   Outcome outcome;
   const int n = effort == Effort::quick ? 24571 : 99991; // a last group that is not full
-  RandomStream random(71);
+  RandomStream random(subject.stream(71));
   EvalBatch evals = pairs_of(subject, n, 72);
   SampleBatch samples(n);
   samples.draw(random);

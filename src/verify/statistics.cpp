@@ -52,6 +52,15 @@ double two_sided_normal(double z) {
   return std::erfc(std::abs(z) / std::sqrt(2.0));
 }
 
+double two_sided_quantile(double level) {
+  double low = 0, high = 40; // beyond 38.5 a double's probability is 0
+  for (int i = 0; i < 60; ++i) {
+    double middle = 0.5 * (low + high);
+    (two_sided_normal(middle) > level ? low : high) = middle;
+  }
+  return high;
+}
+
 double sidak(double family, double count) {
   return count <= 1 ? family : -std::expm1(std::log1p(-family) / count);
 }

@@ -17,6 +17,9 @@ double chi_square_survival(double statistic, double degrees);
 /// Probability that a standard normal variable exceeds |z|, on both sides together.
 double two_sided_normal(double z);
 
+/// The |z| that a standard normal variable exceeds with probability `level`, in (0, 1].
+double two_sided_quantile(double level);
+
 /// Level of one of `count` independent tests so that all together err with probability `family`
 /// (Sidak 1967, "Rectangular confidence regions for the means of multivariate normal
 /// distributions").

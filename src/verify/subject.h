@@ -16,14 +16,23 @@ enum class Effort { quick, full };
 /// The verdict on one property.
 struct Outcome {
   bool passed = true;
-  std::string message; ///< what failed and where; or what was measured
-  double figure = 0;   ///< the property's own measure: smallest p-value, largest error, ...
+  std::string message;    ///< what failed and where; or what was measured
+  double figure = 0;      ///< the property's own measure: smallest p-value, largest error, ...
+  bool applicable = true; ///< false: there is nothing to prove, `message` says why
+
+  bool excusable = true; ///< false: a failure worse than the model's excuse admits
 
   /// Records a failure; only the first one keeps its words.
   void fail(const std::string& text) {
     if (passed)
       message = text;
     passed = false;
+  }
+  /// The same for one that no excuse covers; its words replace those of others.
+  void fail_beyond_excuse(const std::string& text) {
+    if (excusable)
+      message = text;
+    passed = excusable = false;
   }
 };
 
@@ -32,6 +41,7 @@ struct Subject {
   Parameters parameters;
   Record record;
   bool lossless = false;
+  uint64_t seed = 0; ///< what all random numbers of the properties come from
 
   Subject(const Model& m, const Parameters& p, bool loses_nothing = false);
   /// An exemplar of the model's own.
@@ -42,6 +52,9 @@ struct Subject {
   /// The kernel of the widest instruction set here.
   const MaterialKernel& widest() const { return kernel(best_isa()); }
   bool transmissive() const { return (traits().lobes & kTransmission) != 0; }
+
+  /// Seed of the random numbers for one purpose.
+  uint64_t stream(uint64_t purpose) const { return purpose + seed * 0x9e3779b97f4a7c15ull; }
 
   Eval<double> reference(const Vec3<double>& wo, const Vec3<double>& wi,
                          TransportMode mode = TransportMode::radiance) const {

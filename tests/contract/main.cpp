@@ -2,8 +2,7 @@
 // registry.
 
 #include "formats/material_xml.h"
-#include "verify/properties.h"
-#include "verify/statistics.h"
+#include "verify/suite.h"
 
 #include <cctype>
 #include <cstdlib>
@@ -17,9 +16,6 @@ namespace {
 
 using namespace faceta;
 
-// The chance that anything in the whole suite fails although all is right.
-constexpr double kFamilyLevel = 1e-4;
-
 Effort effort() {
   const char* tier = std::getenv("FACETA_TIER");
   return tier && std::string(tier) == "full" ? Effort::full : Effort::quick;
@@ -27,25 +23,27 @@ Effort effort() {
 
 double test_level() {
   static const double level = [] {
-    double count = 0;
+    size_t subjects = 0;
     for (const auto& model : Registry::global().models())
-      count += double(model->descriptor.exemplars.size());
-    int modes = effort() == Effort::full ? 2 : 1;
-    return sidak(kFamilyLevel, count * most_viewers(effort()) * modes);
+      subjects += model->descriptor.exemplars.size();
+    return suite_level(subjects, effort());
   }();
   return level;
 }
 
 // A verdict as GoogleTest's; what a model is known to break is shown as skipped, with the reason.
 void report(const Outcome& outcome, const Model& model, const std::string& property) {
-  if (outcome.passed) {
+  switch (judge(outcome, model, property)) {
+  case Verdict::passed:
+  case Verdict::not_applicable:
     if (outcome.figure != 0)
       ::testing::Test::RecordProperty("figure", std::to_string(outcome.figure));
     return;
+  case Verdict::excused:
+    GTEST_SKIP() << "excused: " << find_excuse(model, property)->reason << "\n" << outcome.message;
+  case Verdict::failed:
+    FAIL() << outcome.message;
   }
-  if (const Excuse* excuse = find_excuse(model, property))
-    GTEST_SKIP() << "excused: " << excuse->reason << "\n" << outcome.message;
-  FAIL() << outcome.message;
 }
 
 class SubjectTest : public ::testing::Test {
@@ -72,10 +70,6 @@ private:
   const Model& model_;
   const ModelProperty& property_;
 };
-
-Parameters through_xml(const Parameters& p) {
-  return *parse_material(write_material(p))->parameters;
-}
 
 std::string slug(std::string name) {
   for (char& c : name)

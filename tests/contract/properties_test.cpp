@@ -1,26 +1,17 @@
 // The tests of the tests: a sound material passes every property, and each property fails on a
 // material with the defect that it is there to find.
 
+#include "defective_registry.h"
 #include "verify/properties.h"
-#include "verify/statistics.h"
 
 #include <gtest/gtest.h>
-
-namespace faceta::defective {
-std::vector<Model> defective_models();
-}
 
 namespace {
 
 using namespace faceta;
 
 const Registry& registry() {
-  static const Registry defective = [] {
-    Registry r;
-    r.add(defective::defective_models(), FACETA_TEST_MODULES, "defective");
-    return r;
-  }();
-  return defective;
+  return defective::registry();
 }
 
 Outcome run(const std::string& model_name, const std::string& property) {

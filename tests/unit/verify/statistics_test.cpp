@@ -39,6 +39,14 @@ TEST(Normal, TwoSides) {
   EXPECT_NEAR(two_sided_normal(-3.290527), 0.001, 1e-8);
 }
 
+TEST(Normal, QuantilesOfTheTables) {
+  // Abramowitz and Stegun, table 26.5, and sigmas of the tails.
+  EXPECT_NEAR(two_sided_quantile(0.05), 1.9599640, 1e-7);
+  EXPECT_NEAR(two_sided_quantile(0.001), 3.2905267, 1e-7);
+  EXPECT_NEAR(two_sided_quantile(5.733031437583867e-07), 5, 1e-9);
+  EXPECT_NEAR(two_sided_quantile(1), 0, 1e-9);
+}
+
 TEST(Sidak, AllTogetherHaveTheFamilysLevel) {
   for (double n : {2.0, 100.0, 1e6})
     EXPECT_NEAR(std::pow(1 - sidak(1e-4, n), n), 1 - 1e-4, 1e-9) << n;
