@@ -2,6 +2,7 @@
 
 #include "cli/commands.h"
 #include "cli/render_command.h"
+#include "verify/suite.h"
 
 #include <CLI/CLI.hpp>
 #include <cmath>
@@ -274,6 +275,64 @@ void add_gallery(CLI::App& app, Action& action) {
   });
 }
 
+/// "diffuse", "phong exponent=20", "scene.xml", one after the other.
+std::vector<VerifyTarget> targets_of(const std::vector<std::string>& words) {
+  std::vector<VerifyTarget> targets;
+  for (const std::string& word : words) {
+    bool scene = std::filesystem::path(word).extension() == ".xml";
+    if (scene || word.find('=') == std::string::npos) {
+      targets.push_back({word, scene, {}});
+      continue;
+    }
+    if (targets.empty() || targets.back().scene)
+      throw CLI::ValidationError("'" + word + "' stands behind no material");
+    Settings setting = settings_of({word});
+    targets.back().settings.push_back(setting[0]);
+  }
+  return targets;
+}
+
+void add_verify(CLI::App& app, Action& action) {
+  auto options = std::make_shared<VerifyOptions>();
+  auto words = std::make_shared<std::vector<std::string>>();
+  CLI::App* sub = app.add_subcommand("verify", "Prove materials right: properties and statistics");
+  sub->footer("Without a target: every model with each of its parameter sets, and the models' own\n"
+              "descriptions. A name alone: that model so. A name with settings: only those\n"
+              "parameters. A scene: each model in it as it is used there.\n"
+              "Exit code 1 if a property fails. What a model is known to break is excused, with\n"
+              "the reason.");
+  sub->add_option("targets", *words, "materials, each perhaps with NAME=VALUE, and scenes (.xml)")
+      ->type_name("TARGET");
+  add_defines(*sub, options->defines);
+  sub->add_option_function<std::string>(
+         "--effort", [options](const std::string& effort) { options->full = effort == "full"; },
+         "fast (default) or full: more directions and samples")
+      ->check(CLI::IsMember({"fast", "full"}))
+      ->type_name("EFFORT");
+  sub->add_option("--seed", options->seed, "number that all random numbers come from")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str()
+      ->type_name("N");
+  sub->add_option("--only", options->only, "only these properties, by the names of --list")
+      ->delimiter(',')
+      ->check(CLI::IsMember(property_names()))
+      ->type_name("PROPERTY");
+  sub->add_option("--json", options->json,
+                  "write the results to a file; - prints them instead of the table")
+      ->type_name("FILE");
+  sub->add_flag("--list", options->list, "list the properties");
+  sub->add_flag("-q,--quiet", options->quiet, "no progress");
+  sub->callback([=, &action] {
+    options->targets = targets_of(*words);
+    bool scene = false;
+    for (const VerifyTarget& target : options->targets)
+      scene = scene || target.scene;
+    if (!scene && !options->defines.empty())
+      throw CLI::ValidationError("-D needs a scene file");
+    action = [=] { return run_verify(*options); };
+  });
+}
+
 } // namespace
 
 Action parse_arguments(int argc, char** argv) {
@@ -283,7 +342,7 @@ Action parse_arguments(int argc, char** argv) {
       "them, and the tests that hold both to mathematics.",
       "faceta");
   app.set_version_flag("--version", "faceta " FACETA_VERSION);
-  app.footer("Exit codes: 0 good, 1 a comparison says no, 2 wrong arguments, 3 bad input or I/O.\n"
+  app.footer("Exit codes: 0 good, 1 a check says no, 2 wrong arguments, 3 bad input or I/O.\n"
              "faceta COMMAND --help tells more.");
   app.require_subcommand(1);
   add_render(app, action);
@@ -293,6 +352,7 @@ Action parse_arguments(int argc, char** argv) {
   add_table(app, action, true);
   add_diff(app, action);
   add_info(app, action);
+  add_verify(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

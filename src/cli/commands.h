@@ -5,6 +5,7 @@
 
 #include "bsdf/registry.h"
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,7 +15,7 @@ namespace faceta::cli {
 /// Exit codes of the program.
 enum ExitCode : int {
   kOk = 0,
-  kCheckFailed = 1, ///< a comparison says no
+  kCheckFailed = 1, ///< a comparison or a property says no
   kUsage = 2,       ///< arguments that make no sense
   kInputError = 3   ///< bad input, failed reading or writing
 };
@@ -54,5 +55,22 @@ struct InfoOptions {
   bool cpu = false, json = false;
 };
 int run_info(const InfoOptions& options);
+
+/// A material with settings, or a scene file.
+struct VerifyTarget {
+  std::string name;
+  bool scene = false;
+  Settings settings;
+};
+struct VerifyOptions {
+  std::vector<VerifyTarget> targets; ///< empty: every registered model
+  Settings defines;                  ///< of scenes
+  bool full = false;
+  uint64_t seed = 0;
+  std::vector<std::string> only; ///< properties; empty: all
+  std::string json;              ///< file, or - for the standard output; empty: none
+  bool list = false, quiet = false;
+};
+int run_verify(const VerifyOptions& options);
 
 } // namespace faceta::cli

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "verify/suite.h"
+
+namespace faceta::cli {
+
+/// Shows the suite's progress on the standard error: one line redrawn on a terminal, a plain line
+/// for every tenth elsewhere, nothing if quiet.
+class SuiteProgressLine {
+public:
+  explicit SuiteProgressLine(bool quiet);
+  /// Removes the line from the terminal.
+  ~SuiteProgressLine();
+  SuiteProgressLine(const SuiteProgressLine&) = delete;
+  SuiteProgressLine& operator=(const SuiteProgressLine&) = delete;
+  void update(const SuiteProgress& progress);
+
+private:
+  bool quiet_, terminal_, open_ = false;
+  size_t shown_tenths_ = 0;
+};
+
+} // namespace faceta::cli

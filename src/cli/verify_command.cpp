@@ -1,0 +1,96 @@
+#include "cli/commands.h"
+#include "cli/suite_progress.h"
+#include "formats/material_docs.h"
+#include "formats/material_xml.h"
+#include "formats/output_file.h"
+#include "verify/suite_report.h"
+#include "verify/suite_scene.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <unistd.h>
+
+namespace faceta::cli {
+
+namespace {
+
+struct Subjects {
+  std::vector<SuiteSubject> subjects;
+  std::vector<const Model*> models; ///< asked as a whole
+  std::vector<std::string> notes;
+
+  void add_model(const Model& model) {
+    if (std::find(models.begin(), models.end(), &model) != models.end())
+      return;
+    models.push_back(&model);
+    for (SuiteSubject& s : exemplar_subjects(model))
+      subjects.push_back(std::move(s));
+  }
+};
+
+void add_target(const VerifyTarget& target, const Settings& defines, Subjects& all) {
+  if (target.scene) {
+    ReadOptions options;
+    options.defines = defines;
+    options.warn = [&](const std::string& text) { all.notes.push_back(text); };
+    Scene scene;
+    add_scene_subjects(read_mitsuba_materials(target.name, scene, options), all.subjects,
+                       all.notes);
+    return;
+  }
+  if (find_scene_node(target.name))
+    throw Error("'" + target.name + "' puts materials of a scene file together", {},
+                "verify the scene file");
+  const Model& model = Registry::global().get(target.name);
+  if (target.settings.empty())
+    all.add_model(model);
+  else
+    all.subjects.push_back(settings_subject(model, target.settings));
+}
+
+Subjects choose_subjects(const VerifyOptions& options) {
+  Subjects all;
+  for (const VerifyTarget& target : options.targets)
+    add_target(target, options.defines, all);
+  if (options.targets.empty())
+    for (const auto& model : Registry::global().models())
+      all.add_model(*model);
+  return all;
+}
+
+} // namespace
+
+int run_verify(const VerifyOptions& options) {
+  if (options.list) {
+    std::fputs(list_properties().c_str(), stdout);
+    return kOk;
+  }
+  round_trips().emplace_back("xml", through_xml);
+  Subjects all = choose_subjects(options);
+  SuiteOptions suite;
+  suite.effort = options.full ? Effort::full : Effort::quick;
+  suite.seed = options.seed;
+  suite.only = options.only;
+  std::optional<OutputFile> file; // opened before the work: a bad name shows at once
+  if (!options.json.empty())
+    file.emplace(options.json);
+  SuiteReport report;
+  {
+    SuiteProgressLine line(options.quiet);
+    suite.progress = [&](const SuiteProgress& p) { line.update(p); };
+    report = run_suite(all.subjects, all.models, suite);
+  }
+  report.notes = all.notes;
+  if (file) {
+    file->write(suite_json(report, FACETA_VERSION));
+    file->commit();
+  }
+  if (options.json != "-") {
+    bool colour = isatty(STDOUT_FILENO) && !std::getenv("NO_COLOR");
+    std::fputs(suite_text(report, colour).c_str(), stdout);
+  }
+  return report.passed() ? kOk : kCheckFailed;
+}
+
+} // namespace faceta::cli
