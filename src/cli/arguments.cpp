@@ -1,6 +1,7 @@
 #include "cli/arguments.h"
 
 #include "cli/commands.h"
+#include "cli/plot_command.h"
 #include "cli/render_command.h"
 #include "verify/suite.h"
 
@@ -45,6 +46,8 @@ std::string check_finite(const std::string& text) {
   return "'" + text + "' is no finite number";
 }
 
+} // namespace
+
 Settings settings_of(const std::vector<std::string>& words) {
   Settings settings;
   for (const std::string& word : words) {
@@ -55,6 +58,8 @@ Settings settings_of(const std::vector<std::string>& words) {
   }
   return settings;
 }
+
+namespace {
 
 CLI::Option* add_isa(CLI::App& app, std::optional<Isa>& isa) {
   return app
@@ -350,6 +355,7 @@ Action parse_arguments(int argc, char** argv) {
   add_materials(app, action);
   add_table(app, action, false);
   add_table(app, action, true);
+  add_plot(app, action);
   add_diff(app, action);
   add_info(app, action);
   add_verify(app, action);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "bsdf/describe.h"
+
 #include <functional>
 
 namespace faceta::cli {
@@ -10,5 +12,8 @@ using Action = std::function<int()>;
 /// Parses the arguments of the program. Help, version and complaints of the arguments are printed
 /// here; then the action returns their exit code.
 Action parse_arguments(int argc, char** argv);
+
+/// Splits words of the form name=value; CLI::ValidationError at any other.
+Settings settings_of(const std::vector<std::string>& words);
 
 } // namespace faceta::cli

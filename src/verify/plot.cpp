@@ -50,11 +50,22 @@ const PlotKindInfo& plot_kind(const std::string& name) {
   throw Error("there is no plot of the kind '" + name + "'", {}, suggestion(name, names));
 }
 
+namespace {
+
+/// "0.5" for "0.5,0.5,0.5".
+std::string without_repeats(const std::string& text) {
+  size_t first = text.find(',');
+  std::string one = text.substr(0, first);
+  return text == one + "," + one + "," + one ? one : text;
+}
+
+} // namespace
+
 PlotMaterial plot_material(const Parameters& parameters) {
   std::string text;
   for (const ParamInfo& p : parameters.descriptor().params)
     if (parameters.was_set(p.name))
-      text += (text.empty() ? "" : " ") + p.name + "=" + parameters.text(p.name);
+      text += (text.empty() ? "" : " ") + p.name + "=" + without_repeats(parameters.text(p.name));
   return {Subject(parameters.model(), parameters), parameters.model().name(),
           text.empty() ? "default parameters" : text};
 }

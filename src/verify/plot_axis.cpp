@@ -25,14 +25,6 @@ std::string short_number(double value) {
   return fmt::format("{}e{}", mantissa, std::stoi(text.substr(e + 1)));
 }
 
-double round_up(double value) {
-  double decade = std::pow(10.0, std::floor(std::log10(value)));
-  for (double factor : {1.0, 2.0, 2.5, 5.0, 10.0})
-    if (factor * decade >= value * (1 - 1e-12))
-      return factor * decade;
-  return 10 * decade;
-}
-
 double PlotAxis::position(double value) const {
   double share = logarithmic ? (value > 0 ? std::log(value / low) / std::log(high / low) : 0)
                              : (value - low) / (high - low);

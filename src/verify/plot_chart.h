@@ -20,9 +20,6 @@ struct PlotBox {
 /// A number with at most three digits that matter: "0.25", "1e-6", "2500".
 std::string short_number(double value);
 
-/// The smallest 1, 2, 2.5 or 5 times a power of ten that is >= value > 0.
-double round_up(double value);
-
 /// A range of values with marks at round numbers.
 struct PlotAxis {
   std::string label; ///< with its unit
