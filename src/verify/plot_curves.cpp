@@ -31,7 +31,7 @@ Drawing draw_albedo(const Materials& materials, const PlotOptions& options) {
   std::vector<Series> series = series_of(materials, options);
   bool transmits = false;
   for (const PlotMaterial& m : materials)
-    transmits |= m.subject.transmissive();
+    transmits |= passes_through(m.subject);
   struct Curves {
     PlotPoints total, reflection, transmission;
   };
@@ -72,7 +72,7 @@ Drawing draw_albedo(const Materials& materials, const PlotOptions& options) {
                   degree_axis("angle of the viewer from the normal in degrees", 90, 6), y);
   panel.curve({{0, 1}, {90, 1}}, {Ink::text}, 1.2);
   for (size_t i = 0; i < series.size(); ++i) {
-    bool apart = series[i].material->subject.transmissive();
+    bool apart = passes_through(series[i].material->subject);
     panel.curve(curves[i].total, series[i].ink, 2.2, transmits ? 0 : series[i].dash);
     if (apart) {
       panel.curve(curves[i].reflection, series[i].ink, 1.6, 1);

@@ -20,6 +20,11 @@ Vec3<double> plot_viewer(double theta, double phi);
 /// A direction in that plane: `angle` (radians) from the normal towards the mirror side.
 Vec3<double> plane_direction(double angle, double phi);
 
+/// Whether light comes out on the other side, be it refracted or straight on.
+inline bool passes_through(const Subject& subject) {
+  return (subject.traits().lobes & (kTransmission | kNullLobe)) != 0;
+}
+
 /// A delta lobe seen from one direction.
 struct DeltaLobe {
   Vec3<double> wi;

@@ -238,7 +238,7 @@ private:
     std::vector<DeltaLobe> deltas = delta_lobes(subject, wo, PlotChannel::luminance);
     double mass = 0;
     for (bool below : {false, true}) {
-      if (below != (wo.z < 0) && !subject.transmissive())
+      if (below != (wo.z < 0) && !passes_through(subject))
         continue;
       std::string label = below ? "below the surface" : "above the surface";
       if (angle)

@@ -36,7 +36,7 @@ public:
       thetas_ =
           series_.size() == 1 ? std::vector<double>{0, 30, 60, 80} : std::vector<double>{0, 60};
     for (const PlotMaterial& m : materials)
-      full_ |= m.subject.transmissive();
+      full_ |= passes_through(m.subject);
     for (double theta : thetas_)
       full_ |= theta > 90;
     compute();

@@ -174,6 +174,7 @@ std::vector<std::vector<PlotMaterial>> sets() {
                                                    {"specular_reflectance", "0.9,0.5,0.2"}});
   return {{material("diffuse")},
           {material("dielectric")},
+          {material("thindielectric")},
           {material("roughdielectric", {{"alpha", "0.2"}})},
           {material("conductor", {{"eta", "1.5"}, {"k", "0"}})},
           {gold, metal, material("plastic"), material("diffuse", {{"reflectance", "0"}})}};
@@ -197,7 +198,7 @@ TEST(Plot, OptionsKeepEverythingInsideTheBox) {
   options.width = 300;
   options.phi = 25;
   options.colour = PlotColour::all;
-  std::vector<PlotMaterial> two = {sets()[4][0], sets()[0][0]};
+  std::vector<PlotMaterial> two = {sets()[5][0], sets()[0][0]};
   for (PlotKind kind : {PlotKind::polar, PlotKind::slices, PlotKind::density})
     for (bool logarithmic : {false, true}) {
       options.logarithmic = logarithmic;
