@@ -74,7 +74,8 @@ template <SinglePrecision T> FACETA_INLINE T exp_with_tail(const T& argument, co
 template <SinglePrecision T> FACETA_INLINE T split_exponent(const T& x, T& exponent) {
   auto tiny = x < T(0x1p-126f); // denormals, scaled up by 2^24
   T scaled = select(tiny, x * T(0x1p24f), x);
-  IntOf<T> bits = float_bits(scaled) - IntOf<T>(0x3f3504f3);
+  // Unsigned, as -0 wraps around (log then replaces the result).
+  IntOf<T> bits = as_int(as_uint(float_bits(scaled)) - UintOf<T>(0x3f3504f3));
   IntOf<T> e = bits >> 23;
   exponent = to_float(e) - select(tiny, T(24), T(0));
   return bits_float((bits & IntOf<T>(0x007fffff)) + IntOf<T>(0x3f3504f3));
