@@ -203,8 +203,8 @@ PlotBox PanelGrid::cell(const PlotBox& box, int i) const {
   constexpr double kGap = 14;
   double width = (box.width - kGap * (columns - 1)) / columns;
   double height = (box.height - kGap * (rows - 1)) / rows;
-  return {box.x + i % columns * (width + kGap), box.y + i / columns * (height + kGap), width,
-          height};
+  int column = i % columns, row = i / columns;
+  return {box.x + column * (width + kGap), box.y + row * (height + kGap), width, height};
 }
 
 } // namespace plots

@@ -1,5 +1,6 @@
 #include "verify/suite.h"
 
+#include "base/happens_before.h"
 #include "verify/statistics.h"
 
 #include <algorithm>
@@ -105,8 +106,10 @@ void run_in_order(size_t count, const std::function<void(size_t)>& task) {
       [&](const tbb::blocked_range<size_t>& range) {
         for (size_t i = range.begin(); i != range.end(); ++i)
           task(next++);
+        happens_before::publish(&next);
       },
       tbb::simple_partitioner());
+  happens_before::receive(&next);
 }
 
 } // namespace
