@@ -47,8 +47,8 @@ Outcome check_density(const Subject&, Effort, double level);
 /// direction lies on the side that its lobe says. figure: the largest relative error.
 Outcome check_consistency(const Subject&, Effort, double level);
 /// The albedo is at most traits.albedo_bound at every angle; 1 to 1e-3 where the exemplar claims to
-/// lose nothing (importance transport, which has no factor eta^2). A model with an excuse fails, and
-/// is excused, as soon as it exceeds 1; above its bound nothing excuses it. figure: the largest
+/// lose nothing (importance transport, which has no factor eta^2). A model with an excuse fails,
+/// and is excused, as soon as it exceeds 1; above its bound nothing excuses it. figure: the largest
 /// albedo.
 Outcome check_energy(const Subject&, Effort, double level);
 /// f(wo, wi) of radiance = f(wi, wo) of importance, if the traits claim it. figure: largest error.
