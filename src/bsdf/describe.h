@@ -90,9 +90,10 @@ struct Exemplar {
   bool lossless = false; ///< reflected plus transmitted energy is exactly 1
 };
 
-/// Why a property does not hold: printed in every report.
+/// Why a property does not hold, and who says so: printed in every report.
 struct Excuse {
   std::string property, reason;
+  std::string reference{};
 };
 
 struct Traits {
@@ -138,7 +139,7 @@ template <class D> struct DescribeIgnoringTexts {
   FACETA_INLINE D& reference(const char*) { return self(); }
   FACETA_INLINE D& note(const char*) { return self(); }
   FACETA_INLINE D& traits(const Traits&) { return self(); }
-  FACETA_INLINE D& excuse(const char*, const char*) { return self(); }
+  FACETA_INLINE D& excuse(const char*, const char*, const char*) { return self(); }
   using Words = std::initializer_list<const char*>;
   using Pairs = std::initializer_list<std::pair<const char*, const char*>>;
   FACETA_INLINE D& exemplar(const char*, Pairs, bool = false) { return self(); }
@@ -175,8 +176,8 @@ public:
     descriptor.traits = t;
     return *this;
   }
-  auto& excuse(const char* property, const char* reason) {
-    descriptor.excuses.push_back({property, reason});
+  auto& excuse(const char* property, const char* reason, const char* reference) {
+    descriptor.excuses.push_back({property, reason, reference});
     return *this;
   }
   auto& exemplar(const char* name, Pairs settings, bool lossless = false) {

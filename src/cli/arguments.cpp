@@ -325,6 +325,9 @@ void add_verify(CLI::App& app, Action& action) {
   sub->add_option("--json", options->json,
                   "write the results to a file; - prints them instead of the table")
       ->type_name("FILE");
+  sub->add_option("--html", options->html,
+                  "write a report with plots, one page that loads nothing; - prints it instead")
+      ->type_name("FILE");
   sub->add_flag("--list", options->list, "list the properties");
   sub->add_flag("-q,--quiet", options->quiet, "no progress");
   sub->callback([=, &action] {
@@ -334,6 +337,8 @@ void add_verify(CLI::App& app, Action& action) {
       scene = scene || target.scene;
     if (!scene && !options->defines.empty())
       throw CLI::ValidationError("-D needs a scene file");
+    if (!options->json.empty() && options->json == options->html)
+      throw CLI::ValidationError("--json and --html cannot both write to " + options->json);
     action = [=] { return run_verify(*options); };
   });
 }

@@ -68,7 +68,7 @@ struct VerifyOptions {
   bool full = false;
   uint64_t seed = 0;
   std::vector<std::string> only; ///< properties; empty: all
-  std::string json;              ///< file, or - for the standard output; empty: none
+  std::string json, html;        ///< files, or - for the standard output; empty: none
   bool list = false, quiet = false;
 };
 int run_verify(const VerifyOptions& options);

@@ -6,8 +6,8 @@
 
 namespace faceta::cli {
 
-SuiteProgressLine::SuiteProgressLine(bool quiet)
-    : quiet_(quiet), terminal_(isatty(STDERR_FILENO)) {}
+SuiteProgressLine::SuiteProgressLine(bool quiet, const char* what)
+    : quiet_(quiet), terminal_(isatty(STDERR_FILENO)), what_(what) {}
 
 SuiteProgressLine::~SuiteProgressLine() {
   if (open_)
@@ -17,7 +17,7 @@ SuiteProgressLine::~SuiteProgressLine() {
 void SuiteProgressLine::update(const SuiteProgress& p) {
   if (quiet_)
     return;
-  std::string count = fmt::format("{}/{} checks, {:.0f} s", p.done, p.total, p.seconds);
+  std::string count = fmt::format("{}/{} {}, {:.0f} s", p.done, p.total, what_, p.seconds);
   if (terminal_) {
     constexpr size_t kWidth = 28;
     std::string bar(p.total ? kWidth * p.done / p.total : 0, '=');

@@ -8,7 +8,8 @@ namespace faceta::cli {
 /// for every tenth elsewhere, nothing if quiet.
 class SuiteProgressLine {
 public:
-  explicit SuiteProgressLine(bool quiet);
+  /// \param what is counted
+  explicit SuiteProgressLine(bool quiet, const char* what = "checks");
   /// Removes the line from the terminal.
   ~SuiteProgressLine();
   SuiteProgressLine(const SuiteProgressLine&) = delete;
@@ -18,6 +19,7 @@ public:
 private:
   bool quiet_, terminal_, open_ = false;
   size_t shown_tenths_ = 0;
+  const char* what_;
 };
 
 } // namespace faceta::cli

@@ -3,6 +3,7 @@
 #include "formats/material_docs.h"
 #include "formats/material_xml.h"
 #include "formats/output_file.h"
+#include "verify/report_html.h"
 #include "verify/suite_report.h"
 #include "verify/suite_scene.h"
 
@@ -59,6 +60,13 @@ Subjects choose_subjects(const VerifyOptions& options) {
   return all;
 }
 
+std::vector<SubjectPlots> draw_plots(const SuiteReport& report, bool quiet) {
+  if (report.properties.empty())
+    return {};
+  SuiteProgressLine line(quiet, "plots");
+  return draw_subject_plots(report.subjects, [&](const SuiteProgress& p) { line.update(p); });
+}
+
 } // namespace
 
 int run_verify(const VerifyOptions& options) {
@@ -72,9 +80,11 @@ int run_verify(const VerifyOptions& options) {
   suite.effort = options.full ? Effort::full : Effort::quick;
   suite.seed = options.seed;
   suite.only = options.only;
-  std::optional<OutputFile> file; // opened before the work: a bad name shows at once
+  std::optional<OutputFile> json, page; // opened before the work: a bad name shows at once
   if (!options.json.empty())
-    file.emplace(options.json);
+    json.emplace(options.json);
+  if (!options.html.empty())
+    page.emplace(options.html);
   SuiteReport report;
   {
     SuiteProgressLine line(options.quiet);
@@ -82,11 +92,15 @@ int run_verify(const VerifyOptions& options) {
     report = run_suite(all.subjects, all.models, suite);
   }
   report.notes = all.notes;
-  if (file) {
-    file->write(suite_json(report, FACETA_VERSION));
-    file->commit();
+  if (json) {
+    json->write(suite_json(report, FACETA_VERSION));
+    json->commit();
   }
-  if (options.json != "-") {
+  if (page) {
+    page->write(suite_html(report, draw_plots(report, options.quiet), FACETA_VERSION));
+    page->commit();
+  }
+  if (options.json != "-" && options.html != "-") {
     bool colour = isatty(STDOUT_FILENO) && !std::getenv("NO_COLOR");
     std::fputs(suite_text(report, colour).c_str(), stdout);
   }

@@ -224,7 +224,7 @@ std::string list_section(const char* title, const std::vector<std::string>& line
 std::vector<std::string> exceptions(const Descriptor& d) {
   std::vector<std::string> lines;
   for (const Excuse& e : d.excuses)
-    lines.push_back(e.property + ": " + e.reason);
+    lines.push_back(e.property + ": " + e.reason + " (" + e.reference + ")");
   return lines;
 }
 
@@ -266,7 +266,8 @@ Json material_json(const Descriptor& d) {
   j["notes"] = d.notes;
   j["exceptions"] = Json::array();
   for (const Excuse& e : d.excuses)
-    j["exceptions"].push_back({{"property", e.property}, {"reason", e.reason}});
+    j["exceptions"].push_back(
+        {{"property", e.property}, {"reason", e.reason}, {"reference", e.reference}});
   j["exemplars"] = Json::array();
   for (const Exemplar& e : d.exemplars) {
     Json settings = Json::object();

@@ -45,7 +45,8 @@ template <class T> struct OrenNayar {
         .traits({.lobes = kReflection, .reciprocal = true, .albedo_bound = 1.052})
         .excuse("energy",
                 "the full 1994 model is a fit and reflects up to 5 % more than it receives "
-                "at grazing angles (4.4 % at 89 degrees, 5.1 % in the limit, sigma = 0.3)")
+                "at grazing angles (4.4 % at 89 degrees, 5.1 % in the limit, sigma = 0.3)",
+                "Oren and Nayar 1994, Generalization of Lambert's Reflectance Model, eqs. 27-30")
         .exemplar("default", {})
         .exemplar("smooth white", {{"sigma", "0"}, {"reflectance", "1"}}, true)
         .exemplar("clay", {{"sigma", "1"}, {"reflectance", "0.6,0.35,0.2"}})

@@ -189,7 +189,7 @@ PlotPage begin_text(const std::string& title, const Materials& materials,
 }
 
 void explain(PlotPage& page, const PlotOptions& options, const std::string& text) {
-  if (options.caption)
+  if (options.caption && options.explanation)
     page.caption.insert(page.caption.begin(), text);
 }
 

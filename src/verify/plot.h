@@ -41,11 +41,12 @@ struct PlotOptions {
   double phi = 0;                  ///< azimuth of the plane of incidence (slices: of h), degrees
   std::optional<bool> logarithmic; ///< radius or colours; nothing: the kind's own
   PlotColour colour = PlotColour::luminance;
-  bool inside = false;    ///< the viewer below the surface
-  double width = 480;     ///< of the drawing in CSS pixels, text keeps its size; 300 to 4000
-  double height = 0;      ///< 0: what suits the kind
-  long samples = 1 << 19; ///< for density, at each angle
-  bool caption = true;    ///< how to read it, and the parameters, below
+  bool inside = false;     ///< the viewer below the surface
+  double width = 480;      ///< of the drawing in CSS pixels, text keeps its size; 300 to 4000
+  double height = 0;       ///< 0: what suits the kind
+  long samples = 1 << 19;  ///< for density, at each angle
+  bool caption = true;     ///< how to read it, and the parameters, below
+  bool explanation = true; ///< in the caption: how to read it, not only figures and parameters
 };
 
 /// At most this many materials in one plot.

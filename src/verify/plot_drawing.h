@@ -67,11 +67,17 @@ struct Drawing {
   void label(PlotLabel label) { items.emplace_back(std::move(label)); }
 };
 
+/// The rules that drawings with PlotTheme::page need in their page's style sheet: what stands
+/// inside of an element of the class "plot" follows the reader's light or dark colours.
+std::string page_plot_style();
+
 /// Width of a text in most sans-serif fonts, rather too wide than too narrow.
 double plot_text_width(const std::string& text, double size, bool bold = false);
 
 /// Whose colours: by the reader's system (SVG; light in print and in pixels), or always the same.
-enum class PlotTheme { automatic, light, dark };
+/// page: of a page that holds many drawings and page_plot_style() once; the elements are shorter,
+/// and curves are rounded to a tenth of a pixel.
+enum class PlotTheme { automatic, light, dark, page };
 
 /// "#rrggbb" of an ink; empty for none.
 std::string ink_colour(Ink ink, bool dark);

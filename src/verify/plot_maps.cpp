@@ -153,17 +153,21 @@ Drawing draw_reciprocity(const Materials& materials, const PlotOptions& options)
   std::vector<Series> series = series_of(materials, {});
   std::string how = "Largest over azimuths and colours. Rounding leaves up to about 1e-12; only "
                     "what is far above is a fault or a trait of the model.";
+  std::string figures;
   int count = int(series.size());
   for (const Series& s : series) {
     ReciprocityMap map = reciprocity_map(s.material->subject, plot.cells);
     if (s.material->subject.traits().delta)
       map.cells.clear();
     else
-      how += fmt::format(" Largest{}: {:.1e}.", count > 1 ? " of " + s.label : "", map.largest);
+      figures += fmt::format("{}Largest{}: {:.1e}.", figures.empty() ? "" : " ",
+                             count > 1 ? " of " + s.label : "", map.largest);
     plot.maps.push_back({s.label, map_axis("angle of a in degrees", map.high, count),
                          map_axis("angle of b in degrees", map.high, count), std::move(map.cells)});
   }
   PlotPage page = begin_text("Reciprocity", materials, options);
+  if (options.caption && !figures.empty())
+    page.caption.insert(page.caption.begin(), figures);
   explain(page, options, how);
   return plot.draw(page, options);
 }

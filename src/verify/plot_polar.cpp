@@ -195,18 +195,15 @@ private:
   void label_radii() {
     if (!any_values_)
       return;
-    double y = centre_.y + 16;
+    double y = centre_.y + 16, end = centre_.x;
     for (double tick : axis_.ticks) {
       double share = axis_.position(tick);
-      if (share <= 0 || (axis_.ticks.size() > 6 && tick == axis_.ticks[1]))
+      double half = plot_text_width(short_number(tick), 12) / 2, at = centre_.x + radius_ * share;
+      if (share <= 0 || at - half < end + 3) // no room beside the one before
         continue;
-      drawing_.label({{centre_.x + radius_ * share, y},
-                      short_number(tick),
-                      12,
-                      PlotLabel::middle,
-                      {Ink::muted},
-                      false,
-                      true});
+      end = at + half;
+      drawing_.label(
+          {{at, y}, short_number(tick), 12, PlotLabel::middle, {Ink::muted}, false, true});
     }
     if (!full_)
       drawing_.label(
@@ -225,9 +222,10 @@ private:
         outline.push_back(at);
     }
     if (largest > 0 && outline.size() > 2) {
+      PlotLine line{std::move(outline), lobe.ink, 1.8, lobe.dash};
       if (lobes_.size() <= kMostFilled)
-        drawing_.area(outline, lobe.ink, 0.09);
-      drawing_.line(std::move(outline), lobe.ink, 1.8, lobe.dash);
+        line.fill = lobe.ink, line.opacity = 0.09;
+      drawing_.items.emplace_back(std::move(line));
     }
     for (const DeltaLobe& delta : lobe.deltas)
       if (delta.weight > 0)

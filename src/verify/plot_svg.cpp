@@ -73,6 +73,43 @@ std::string class_of(Ink ink) {
   return {};
 }
 
+std::vector<Ink> all_inks() {
+  std::vector<Ink> inks = {{Ink::background}, {Ink::text}, {Ink::muted}, {Ink::grid}};
+  for (int i = 0; i < kSeriesColours; ++i)
+    inks.push_back(series_ink(i));
+  return inks;
+}
+
+/// Rules that give the classes their colours inside of what the selector picks.
+std::string colour_rules(const std::string& selector, bool dark) {
+  std::string rules;
+  for (const Ink& ink : all_inks())
+    rules += fmt::format("{0} .s{1}{{stroke:{2}}}{0} .f{1}{{fill:{2}}}", selector, class_of(ink),
+                         ink_colour(ink, dark));
+  return rules;
+}
+
+/// "m10 20.5l3-.2 1 1": the points in tenths, each relative to the one before.
+std::string short_path(const std::vector<Vec2<double>>& points, bool closed) {
+  auto tenths = [](long v, bool first) {
+    std::string text = v < 0 ? "-" : first ? "" : " ";
+    v = std::abs(v);
+    if (v >= 10 || v == 0)
+      text += std::to_string(v / 10);
+    return v % 10 ? text + "." + std::to_string(v % 10) : text;
+  };
+  std::string text;
+  long x = 0, y = 0;
+  for (size_t i = 0; i < points.size(); ++i) {
+    long dx = std::lround(points[i].x * 10) - x, dy = std::lround(points[i].y * 10) - y;
+    if (i > 0 && dx == 0 && dy == 0)
+      continue;
+    text += (i == 0 ? "m" : i == 1 ? "l" : "") + tenths(dx, i < 2) + tenths(dy, false);
+    x += dx, y += dy;
+  }
+  return closed ? text + "z" : text;
+}
+
 /// Writes one drawing. Colours are attributes of the elements, which every program understands;
 /// where the theme follows the system, classes let a style sheet of the same element change them.
 class SvgWriter {
@@ -97,41 +134,44 @@ public:
   std::string style(const std::string& id) const {
     if (theme_ != PlotTheme::automatic)
       return {};
-    std::string rules;
-    std::vector<Ink> inks = {{Ink::background}, {Ink::text}, {Ink::muted}, {Ink::grid}};
-    for (int i = 0; i < kSeriesColours; ++i)
-      inks.push_back(series_ink(i));
-    for (const Ink& ink : inks)
-      rules += fmt::format("#{0} .s{1}{{stroke:{2}}}#{0} .f{1}{{fill:{2}}}", id, class_of(ink),
-                           ink_colour(ink, true));
-    return "<style>@media screen and (prefers-color-scheme:dark){" + rules + "}</style>\n";
+    return "<style>@media screen and (prefers-color-scheme:dark){" + colour_rules("#" + id, true) +
+           "}</style>\n";
   }
 
 private:
   /// ` fill="#fff" stroke="#000" class="fb st"`.
   std::string paint(Ink fill, Ink stroke) const {
-    bool dark = theme_ == PlotTheme::dark;
-    std::string result =
-        fmt::format(" fill=\"{}\"", fill.role == Ink::none ? "none" : ink_colour(fill, dark));
+    std::string result;
+    if (fill.role == Ink::none)
+      result = " fill=\"none\"";
+    else if (theme_ != PlotTheme::page)
+      result = fmt::format(" fill=\"{}\"", ink_colour(fill, theme_ == PlotTheme::dark));
     std::string classes = fill.role == Ink::none ? "" : "f" + class_of(fill);
     if (stroke.role != Ink::none) {
-      result += fmt::format(" stroke=\"{}\"", ink_colour(stroke, dark));
+      if (theme_ != PlotTheme::page)
+        result += fmt::format(" stroke=\"{}\"", ink_colour(stroke, theme_ == PlotTheme::dark));
       classes += (classes.empty() ? "s" : " s") + class_of(stroke);
     }
-    if (theme_ == PlotTheme::automatic && !classes.empty())
+    if ((theme_ == PlotTheme::automatic || theme_ == PlotTheme::page) && !classes.empty())
       result += fmt::format(" class=\"{}\"", classes);
     return result;
   }
 
   void write(const PlotLine& line) {
-    text_ += line.closed ? "<polygon points=\"" : "<polyline points=\"";
-    for (size_t i = 0; i < line.points.size(); ++i)
-      text_ += (i ? " " : "") + number(line.points[i].x) + "," + number(line.points[i].y);
+    if (theme_ == PlotTheme::page) {
+      text_ += "<path d=\"" + short_path(line.points, line.closed);
+    } else {
+      text_ += line.closed ? "<polygon points=\"" : "<polyline points=\"";
+      for (size_t i = 0; i < line.points.size(); ++i)
+        text_ += (i ? " " : "") + number(line.points[i].x) + "," + number(line.points[i].y);
+    }
     text_ += "\"" + paint(line.fill, line.stroke);
     if (line.fill.role != Ink::none && line.opacity < 1)
       text_ += fmt::format(" fill-opacity=\"{}\"", number(line.opacity));
     if (line.stroke.role != Ink::none)
-      text_ += fmt::format(" stroke-width=\"{}\" stroke-linejoin=\"round\"", number(line.width));
+      text_ += fmt::format(" stroke-width=\"{}\"", number(line.width));
+    if (line.stroke.role != Ink::none && theme_ != PlotTheme::page) // whose style sheet says so
+      text_ += " stroke-linejoin=\"round\"";
     std::string dashes;
     for (double length : dash_pattern(line.dash))
       dashes += (dashes.empty() ? "" : " ") + number(length);
@@ -176,6 +216,11 @@ uint64_t hash(const std::string& text) {
 }
 
 } // namespace
+
+std::string page_plot_style() {
+  return ".plot path{stroke-linejoin:round}" + colour_rules(".plot", false) +
+         "\n@media screen and (prefers-color-scheme:dark){" + colour_rules(".plot", true) + "}\n";
+}
 
 std::string to_svg(const Drawing& drawing, const std::string& id, PlotTheme theme,
                    double display_width) {

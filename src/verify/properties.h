@@ -15,6 +15,7 @@ struct Property {
   const char* claim; ///< one sentence
   /// `level`: the probability of a false alarm that a statistical test may have.
   Outcome (*check)(const Subject&, Effort, double level);
+  const char* figure = ""; ///< what Outcome::figure is; empty: it has none
 };
 
 /// Properties of a model with parameters.

@@ -241,8 +241,9 @@ Outcome check_description(const Model& model) {
     bool known = false;
     for (const Property& p : subject_properties())
       known = known || e.property == p.name;
-    if (!known || e.reason.empty())
-      outcome.fail(fmt::format("excuse for '{}': no such property, or no reason", e.property));
+    if (!known || e.reason.empty() || e.reference.empty())
+      outcome.fail(
+          fmt::format("excuse for '{}': no such property, no reason or no reference", e.property));
   }
   return outcome;
 }
@@ -250,15 +251,21 @@ Outcome check_description(const Model& model) {
 const std::vector<Property>& subject_properties() {
   static const std::vector<Property> properties = {
       {"finite", "values, densities and weights are finite and not negative", check_finite},
-      {"chi2", "samples follow the density", check_chi_square},
-      {"density", "the density integrates to one minus the failures", check_density},
-      {"consistency", "eval() agrees with sample()", check_consistency},
-      {"energy", "no more light leaves than the model may give back", check_energy},
-      {"reciprocity", "both directions of light see the same value", check_reciprocity},
-      {"modes", "transport modes differ by eta squared only", check_modes},
+      {"chi2", "samples follow the density", check_chi_square, "smallest p-value"},
+      {"density", "the density integrates to one minus the failures", check_density,
+       "largest difference"},
+      {"consistency", "eval() agrees with sample()", check_consistency, "largest relative error"},
+      {"energy", "no more light leaves than the model may give back", check_energy,
+       "largest albedo"},
+      {"reciprocity", "both directions of light see the same value", check_reciprocity,
+       "largest relative difference"},
+      {"modes", "transport modes differ by eta squared only", check_modes,
+       "largest relative error"},
       {"lanes", "every instruction set gives the same bits", check_lanes},
-      {"precision", "float is as good as its inputs allow", check_precision},
-      {"derivatives", "automatic derivatives agree with differences", check_derivatives},
+      {"precision", "float is as good as its inputs allow", check_precision,
+       "largest error over what is allowed"},
+      {"derivatives", "automatic derivatives agree with differences", check_derivatives,
+       "largest relative error"},
       {"round_trip", "parameters survive writing and reading", check_round_trip}};
   return properties;
 }

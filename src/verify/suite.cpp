@@ -1,14 +1,12 @@
 #include "verify/suite.h"
 
-#include "base/happens_before.h"
+#include "verify/in_order.h"
 #include "verify/statistics.h"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <mutex>
 #include <new>
-#include <tbb/parallel_for.h>
 
 namespace faceta {
 
@@ -60,9 +58,11 @@ PropertyResult ask(const Model& model, const std::string& property, const Check&
                         outcome.figure,
                         outcome.message,
                         {},
+                        {},
                         seconds_since(start)};
   if (result.verdict == Verdict::excused)
-    result.reason = find_excuse(model, property)->reason;
+    result.reason = find_excuse(model, property)->reason,
+    result.reference = find_excuse(model, property)->reference;
   return result;
 }
 
@@ -70,7 +70,7 @@ PropertyResult ask_subject(const SuiteSubject& s, const Property& property, Effo
                            double level) {
   for (const Excuse& idle : s.idle)
     if (idle.property == property.name)
-      return {property.name, Verdict::not_applicable, 0, idle.reason, {}, 0};
+      return {property.name, Verdict::not_applicable, 0, idle.reason, {}, {}, 0};
   return ask(*s.subject.model, property.name,
              [&] { return property.check(s.subject, effort, level); });
 }
@@ -97,20 +97,6 @@ private:
   Clock::time_point start_ = Clock::now();
   std::mutex mutex_;
 };
-
-// Tasks in their order, whichever thread is free.
-void run_in_order(size_t count, const std::function<void(size_t)>& task) {
-  std::atomic<size_t> next{0};
-  tbb::parallel_for(
-      tbb::blocked_range<size_t>(0, count, 1),
-      [&](const tbb::blocked_range<size_t>& range) {
-        for (size_t i = range.begin(); i != range.end(); ++i)
-          task(next++);
-        happens_before::publish(&next);
-      },
-      tbb::simple_partitioner());
-  happens_before::receive(&next);
-}
 
 } // namespace
 

@@ -39,10 +39,10 @@ Verdict judge(const Outcome& outcome, const Model& model, const std::string& pro
 struct PropertyResult {
   std::string property;
   Verdict verdict = Verdict::passed;
-  double figure = 0;  ///< the property's own measure (see properties.h); 0 if it has none
-  std::string text;   ///< what failed and where, what was measured, why there is nothing to prove
-  std::string reason; ///< of an excuse
-  double seconds = 0; ///< of one thread
+  double figure = 0; ///< the property's own measure (see properties.h); 0 if it has none
+  std::string text;  ///< what failed and where, what was measured, why there is nothing to prove
+  std::string reason, reference; ///< of an excuse
+  double seconds = 0;            ///< of one thread
 };
 
 /// Where a subject comes from.

@@ -174,7 +174,7 @@ std::string failures(const SuiteReport& report, bool colour) {
 // One entry for each excuse of a model, with all that it was needed for.
 std::string excuses(const SuiteReport& report) {
   struct Entry {
-    std::string reason, names;
+    std::string reason, reference, names;
   };
   std::map<std::pair<std::string, std::string>, Entry> entries;
   for_each_result(report, [&](const std::string& name, const Model& model, const std::string&,
@@ -183,13 +183,14 @@ std::string excuses(const SuiteReport& report) {
       return;
     Entry& entry = entries[{model.name(), r.property}];
     entry.reason = r.reason;
+    entry.reference = r.reference;
     entry.names += fmt::format("{}{} ({:.4g})", entry.names.empty() ? "" : ", ", name, r.figure);
   });
   std::string text;
   for (const auto& [key, entry] : entries)
-    text += wrap(
-        fmt::format("excused {}: {}: {}: {}", key.first, key.second, entry.names, entry.reason), 0,
-        2);
+    text += wrap(fmt::format("excused {}: {}: {}: {} ({})", key.first, key.second, entry.names,
+                             entry.reason, entry.reference),
+                 0, 2);
   return text;
 }
 
@@ -220,7 +221,7 @@ Json result_json(const PropertyResult& r) {
                {"figure", r.figure},
                {"text", r.text}};
   if (r.verdict == Verdict::excused)
-    json["reason"] = r.reason;
+    json["reason"] = r.reason, json["reference"] = r.reference;
   json["seconds"] = r.seconds;
   return json;
 }
@@ -290,7 +291,8 @@ std::string suite_json(const SuiteReport& report, const std::string& version) {
                     {"not_applicable", report.count(Verdict::not_applicable)}};
   json["properties"] = Json::array();
   for (const Property* p : report.properties)
-    json["properties"].push_back({{"name", p->name}, {"claim", p->claim}, {"of", "subject"}});
+    json["properties"].push_back(
+        {{"name", p->name}, {"claim", p->claim}, {"of", "subject"}, {"figure", p->figure}});
   for (const ModelProperty* p : report.model_properties)
     json["properties"].push_back({{"name", p->name}, {"claim", p->claim}, {"of", "model"}});
   json["models"] = Json::array();

@@ -26,7 +26,7 @@ std::string suite_text(const SuiteReport& report, bool colour);
 ///   test_level        that of one statistical test (Sidak)
 ///   seconds           wall clock
 ///   counts            passed, failed, excused, not_applicable: number of checks
-///   properties        [name, claim, of: "subject" or "model"] of those that were asked
+///   properties        [name, claim, of: "subject" or "model", figure] of those that were asked
 ///   models            [name, title, results] of the models asked as a whole
 ///   subjects          [name, model, origin: "exemplar", "settings" or "scene", exemplar or where
 ///                     (file:line:column), lossless, parameters: {name: text}, seconds, results]
@@ -34,9 +34,9 @@ std::string suite_text(const SuiteReport& report, bool colour);
 /// and each of the results has
 ///   property          its name
 ///   verdict           "passed", "failed", "excused" or "not applicable"
-///   figure            the property's own measure, null if it is not finite
+///   figure            the property's own measure (what it is: `properties`), null if not finite
 ///   text              what failed and where, or why there is nothing to prove; may be empty
-///   reason            of an excuse; absent otherwise
+///   reason, reference of an excuse; absent otherwise
 ///   seconds           of one thread
 /// Fields may be added, never renamed.
 std::string suite_json(const SuiteReport& report, const std::string& version);

@@ -1,0 +1,17 @@
+#pragma once
+
+/// The results of the verification suite as one page that anyone can read.
+
+#include "verify/subject_plots.h"
+#include "verify/suite.h"
+
+namespace faceta {
+
+/// A complete, self-contained HTML file: verdict and counts, models by properties, failures,
+/// excuses, and for every model its subjects, each folded, with properties, figures and plots.
+/// \param plots one for each subject of the report, or none at all
+/// \param version of the program
+std::string suite_html(const SuiteReport& report, const std::vector<SubjectPlots>& plots,
+                       const std::string& version);
+
+} // namespace faceta
