@@ -270,6 +270,33 @@ FACETA_INLINE LaneUint as_uint(LaneInt a) {
 FACETA_INLINE LaneInt as_int(LaneUint a) {
   return hn::BitCast(LaneIntTag(), a.v);
 }
+#if FACETA_LANE_WIDTH == 16
+/// The 32 bits of each lane in reverse: bytes turned round, then nibbles by two tables.
+FACETA_INLINE LaneUint reverse_bits(LaneUint a) {
+  const __m512i turn =
+      _mm512_broadcast_i32x4(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
+  const __m512i nibbles =
+      _mm512_broadcast_i32x4(_mm_setr_epi8(0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15));
+  const __m512i high_nibbles = _mm512_slli_epi16(nibbles, 4), low = _mm512_set1_epi8(15);
+  __m512i x = _mm512_shuffle_epi8(a.v.raw, turn);
+  __m512i from_low = _mm512_shuffle_epi8(high_nibbles, _mm512_and_si512(x, low));
+  x = _mm512_and_si512(_mm512_srli_epi16(x, 4), low);
+  return LaneUint::Vector{_mm512_or_si512(from_low, _mm512_shuffle_epi8(nibbles, x))};
+}
+#elif FACETA_LANE_WIDTH == 8
+/// The 32 bits of each lane in reverse: bytes turned round, then nibbles by two tables.
+FACETA_INLINE LaneUint reverse_bits(LaneUint a) {
+  const __m256i turn = _mm256_broadcastsi128_si256(
+      _mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
+  const __m256i nibbles = _mm256_broadcastsi128_si256(
+      _mm_setr_epi8(0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15));
+  const __m256i high_nibbles = _mm256_slli_epi16(nibbles, 4), low = _mm256_set1_epi8(15);
+  __m256i x = _mm256_shuffle_epi8(a.v.raw, turn);
+  __m256i from_low = _mm256_shuffle_epi8(high_nibbles, _mm256_and_si256(x, low));
+  x = _mm256_and_si256(_mm256_srli_epi16(x, 4), low);
+  return LaneUint::Vector{_mm256_or_si256(from_low, _mm256_shuffle_epi8(nibbles, x))};
+}
+#endif
 FACETA_INLINE LaneMask is_finite(Lanes a) {
   return (float_bits(a) & LaneInt(0x7f800000)) != LaneInt(0x7f800000);
 }

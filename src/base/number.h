@@ -15,6 +15,7 @@
 #include <type_traits>
 
 #define FACETA_INLINE inline __attribute__((always_inline))
+#define FACETA_NOINLINE __attribute__((noinline))
 
 namespace faceta {
 

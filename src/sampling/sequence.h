@@ -17,6 +17,7 @@ template <class U> FACETA_INLINE U mix_bits(U x) {
   return x;
 }
 
+/// The 32 bits in reverse (lanes have their own, by shuffles).
 template <class U> FACETA_INLINE U reverse_bits(U x) {
   x = ((x >> 1) & U(0x55555555u)) | ((x & U(0x55555555u)) << 1);
   x = ((x >> 2) & U(0x33333333u)) | ((x & U(0x33333333u)) << 2);

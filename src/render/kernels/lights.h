@@ -17,22 +17,8 @@ template <class T> struct LightLanes {
   Vec2<T> uv0, duv1, duv2;
 };
 
-template <class T>
-FACETA_INLINE LightLanes<T> load_lights(const SceneView& scene, const IntOf<T>& index) {
-  alignas(64) int32_t rows[kWidthOf<T>];
-  store(rows, index);
-  T a[16], b[16];
-  const float* base = reinterpret_cast<const float*>(scene.lights);
-  if (all(index == IntOf<T>(rows[0]))) { // one light for all lanes: the usual case
-    const float* row = base + int64_t(rows[0]) * 32;
-    for (int k = 0; k < 16; ++k) {
-      a[k] = T(row[k]);
-      b[k] = T(row[16 + k]);
-    }
-  } else {
-    load_rows<T>(base, 32, rows, a);
-    load_rows<T>(base + 16, 32, rows, b);
-  }
+/// The fields of a LightRecord from its 32 words.
+template <class T> FACETA_INLINE LightLanes<T> light_lanes(const T (&a)[16], const T (&b)[16]) {
   LightLanes<T> l;
   l.type = as_integer(a[0]);
   l.texture = as_integer(a[1]);
@@ -54,6 +40,28 @@ FACETA_INLINE LightLanes<T> load_lights(const SceneView& scene, const IntOf<T>& 
   l.inverse1 = b[14];
   l.inverse2 = b[15];
   return l;
+}
+
+/// Calls use(lights) with the records at `index`. Where all lanes have the same light, the usual
+/// case, its fields stay in memory until they are used.
+template <class T, class Use>
+FACETA_INLINE void with_lights(const SceneView& scene, const IntOf<T>& index, const Use& use) {
+  alignas(64) int32_t rows[kWidthOf<T>];
+  store(rows, index);
+  T a[16], b[16];
+  const float* base = reinterpret_cast<const float*>(scene.lights);
+  if (all(index == IntOf<T>(rows[0]))) {
+    const float* row = base + int64_t(rows[0]) * 32;
+    for (int k = 0; k < 16; ++k) {
+      a[k] = T(row[k]);
+      b[k] = T(row[16 + k]);
+    }
+    use(light_lanes(a, b));
+    return;
+  }
+  load_rows<T>(base, 32, rows, a);
+  load_rows<T>(base + 16, 32, rows, b);
+  use(light_lanes(a, b));
 }
 
 // --- The light BVH (Conty Estevez and Kulla 2018; the importance as in Pharr et al. 2023, 12.6.3)
@@ -280,6 +288,18 @@ template <class T> struct LightPoint {
   MaskOf<T> valid; ///< p lies on the emitting side
 };
 
+/// A point on rectangles that fill much of the view, where solid_angle is above 0.
+template <class T> struct NearRectanglePoint {
+  Vec3<T> offset; ///< from p
+  T b1, b2, solid_angle;
+};
+template <class T> FACETA_NOINLINE NearRectanglePoint<T>
+sample_near_rectangle(const LightLanes<T>& l, const Vec3<T>& p, const Vec2<T>& u) {
+  RectangleView<T> r = view_rectangle(l, p);
+  Vec3<T> q = sample_rectangle(r, u);
+  return {q, (dot(q, r.x) - r.x0) * l.inverse1, (dot(q, r.y) - r.y0) * l.inverse2, r.solid_angle};
+}
+
 /// A point of the spheres: in the cone that they fill, or anywhere on those that p is inside of.
 /// Returns the lanes that p is outside of.
 template <class T>
@@ -330,13 +350,12 @@ sample_light(const SceneView& scene, const LightLanes<T>& l, const Vec3<T>& p, c
   T solid_pdf = T(0);
   auto near = near_rectangle(l, p);
   if (any(near)) {
-    RectangleView<T> r = view_rectangle(l, p);
-    auto wide = near & (r.solid_angle > T(0));
-    Vec3<T> q = sample_rectangle(r, u);
-    s.offset = select(wide, q, s.offset);
-    b1 = select(wide, (dot(q, r.x) - r.x0) * l.inverse1, b1);
-    b2 = select(wide, (dot(q, r.y) - r.y0) * l.inverse2, b2);
-    solid_pdf = select(wide, T(1) / r.solid_angle, solid_pdf);
+    NearRectanglePoint<T> q = sample_near_rectangle(l, p, u);
+    auto wide = near & (q.solid_angle > T(0));
+    s.offset = select(wide, q.offset, s.offset);
+    b1 = select(wide, q.b1, b1);
+    b2 = select(wide, q.b2, b2);
+    solid_pdf = select(wide, T(1) / q.solid_angle, solid_pdf);
     by_area = by_area & !wide;
   }
   if (any(sphere)) {

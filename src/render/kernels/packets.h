@@ -24,19 +24,24 @@ struct HitArrays {
   }
 };
 
+/// What a hit lies on: the record of a triangle or quadric (of the first triangle for a miss).
+FACETA_INLINE const char* hit_record(const SceneView& scene, int32_t code) {
+  static_assert(sizeof(QuadricRecord) == sizeof(TriangleRecord));
+  const char* triangles = reinterpret_cast<const char*>(scene.triangles);
+  const char* quadrics = reinterpret_cast<const char*>(scene.quadrics);
+  const char* base = code >= kQuadricHit ? quadrics : triangles;
+  int32_t index = code == kNoHit ? 0 : code & (kQuadricHit - 1);
+  return base + index * int64_t(sizeof(TriangleRecord));
+}
+
 /// Fetches ahead what shading hit k will read: Embree has just emptied the caches, and while it
 /// traces the next packet there is time.
 FACETA_INLINE void prefetch_hit(const SceneView& scene, const HitArrays& hits, int k) {
-  int32_t code = hits.codes[k];
-  if (code == kNoHit)
-    return;
-  const char* record = code >= kQuadricHit
-                           ? reinterpret_cast<const char*>(scene.quadrics + (code - kQuadricHit))
-                           : reinterpret_cast<const char*>(scene.triangles + code);
+  const char* record = hit_record(scene, hits.codes[k]);
   __builtin_prefetch(record);
   __builtin_prefetch(record + 64);
   const EnvironmentView& e = scene.environment;
-  if (hits.place_x)
+  if (hits.place_x && hits.codes[k] != kNoHit)
     __builtin_prefetch(e.cells + environment_cell_at(e, hits.place_x[k], hits.place_y[k]));
 }
 
@@ -91,7 +96,8 @@ inline void trace_camera(const SceneView& scene, const RayArrays& rays, int n,
   }
 }
 
-inline void trace_shadow(const SceneView& scene, const RayArrays& rays, int n, uint8_t* blocked) {
+/// Leaves in `far` what is below 0 for blocked rays.
+inline void trace_shadow(const SceneView& scene, const RayArrays& rays, int n, float* far) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   for (int i = 0; i < n; ++i) {
@@ -102,7 +108,7 @@ inline void trace_shadow(const SceneView& scene, const RayArrays& rays, int n, u
     }
     RTCRay r = make_ray(o, d, 0.0f, rays.far[i]).ray;
     rtcOccluded1(scene.embree, &context, &r);
-    blocked[i] = r.tfar < 0;
+    far[i] = r.tfar;
   }
 }
 
@@ -192,7 +198,7 @@ inline void trace_camera(const SceneView& scene, const RayArrays& rays, int n,
   }
 }
 
-inline void trace_shadow(const SceneView& scene, const RayArrays& rays, int n, uint8_t* blocked) {
+inline void trace_shadow(const SceneView& scene, const RayArrays& rays, int n, float* far) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRay8 p;
@@ -212,8 +218,7 @@ inline void trace_shadow(const SceneView& scene, const RayArrays& rays, int n, u
     std::memset(p.tnear, 0, 32);
     std::memcpy(p.tfar, rays.far + i, 32);
     rtcOccluded8(valid, scene.embree, &context, &p);
-    for (int k = 0; k < 8; ++k)
-      blocked[i + k] = p.tfar[k] < 0;
+    std::memcpy(far + i, p.tfar, 32);
   }
 }
 

@@ -107,6 +107,34 @@ FACETA_INLINE int store_rows<Lanes>(float* out, LaneMask mask, const Lanes (&col
 }
 #endif
 
+#if FACETA_LANE_WIDTH == 1
+/// Adds n colours to the RGBA pixels at `slots`, each its own, but for those with far below 0.
+inline void add_unblocked(const float* const (&rgb)[3], const float* far, const int32_t* slots,
+                          int n, float* pixels) {
+  for (int i = 0; i < n; ++i)
+    for (int k = 0; k < 3; ++k)
+      pixels[4 * size_t(slots[i]) + k] += far[i] < 0 ? 0.0f : rgb[k][i];
+}
+#else
+/// Adds n colours to the RGBA pixels at `slots`, each its own, but for those with far below 0.
+inline void add_unblocked(const float* const (&rgb)[3], const float* far, const int32_t* slots,
+                          int n, float* pixels) {
+  for (int i = 0; i < n; i += 4) {
+    // No branch: whether a light is seen is hard to predict.
+    __m128 seen = _mm_cmpge_ps(_mm_loadu_ps(far + i), _mm_setzero_ps());
+    __m128 rows[4];
+    for (int k = 0; k < 3; ++k)
+      rows[k] = _mm_and_ps(_mm_loadu_ps(rgb[k] + i), seen);
+    rows[3] = _mm_setzero_ps();
+    _MM_TRANSPOSE4_PS(rows[0], rows[1], rows[2], rows[3]);
+    for (int k = 0; k < min(4, n - i); ++k) {
+      float* pixel = pixels + 4 * size_t(slots[i + k]);
+      _mm_store_ps(pixel, _mm_add_ps(_mm_load_ps(pixel), rows[k]));
+    }
+  }
+}
+#endif
+
 #if FACETA_LANE_WIDTH >= 8
 /// r becomes its own transpose.
 FACETA_INLINE void transpose8(__m256 (&r)[8]) {

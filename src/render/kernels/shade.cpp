@@ -13,39 +13,29 @@ Wavefront::I first_pair(const Wavefront::I& depth) {
 }
 } // namespace
 
-void Wavefront::shade_class(const ClassView& c, const int32_t* order, int n) {
+void Wavefront::shade_class(const ClassView& c, int first, int n) {
   // While a group is shaded, the memory that the next one needs is on its way.
   Group groups[2];
-  begin_group(c, order, n, groups[0]);
+  begin_group(c, first, n, groups[0]);
   for (int i = 0; i < n; i += W) {
     int k = (i / W) & 1;
     if (i + W < n)
-      begin_group(c, order + i + W, n - i - W, groups[k ^ 1]);
+      begin_group(c, first + i + W, n - i - W, groups[k ^ 1]);
     shade_group(c, groups[k]);
   }
   counters_.vertices += n;
   counters_.groups += (n + W - 1) / W;
 }
 
-SurfaceLanes<Lanes> Wavefront::surface_points(const int32_t* order, const PathLanes& path,
+SurfaceLanes<Lanes> Wavefront::surface_points(const I& index, const I& code, const PathLanes& path,
                                               bool need_uv) const {
-  alignas(64) int32_t codes[W];
-  alignas(64) float distances[W];
-  bool quadrics = false, triangles = false;
-  for (int k = 0; k < W; ++k) {
-    codes[k] = hits_[order[k]];
-    bool quadric = codes[k] >= kQuadricHit;
-    quadrics |= quadric;
-    triangles |= !quadric;
-    distances[k] = distances_[order[k]];
-  }
-  I code = load_int<T>(codes);
-  if (!quadrics)
-    return triangle_point<T>(scene_, code, path.o, path.d, need_uv);
   M is_quadric = code >= I(kQuadricHit);
+  if (none(is_quadric))
+    return triangle_point<T>(scene_, code, path.o, path.d, need_uv);
   I quadric_index = select(is_quadric, code - I(kQuadricHit), I(0));
-  SurfaceLanes<T> q = quadric_point<T>(scene_, quadric_index, path.o, path.d, load<T>(distances));
-  if (!triangles)
+  SurfaceLanes<T> q =
+      quadric_point<T>(scene_, quadric_index, path.o, path.d, gather<T>(distances_, index));
+  if (all(is_quadric))
     return q;
   SurfaceLanes<T> t =
       triangle_point<T>(scene_, select(is_quadric, I(0), code), path.o, path.d, need_uv);
@@ -67,23 +57,24 @@ Color<Lanes> Wavefront::emission(const PathLanes& path, const SurfaceLanes<T>& s
     lit = lit & (path.depth > I(0));
   if (none(lit))
     return Color<T>(T(0));
-  LightLanes<T> l = load_lights<T>(scene_, select(lit, s.light, I(0)));
-  Color<T> radiance = l.radiance;
-  M textured = lit & (l.texture >= I(0));
-  if (any(textured))
-    radiance *= evaluate_textures<T>(scene_.textures, l.texture, s.uv, textured);
-  M weighed = lit & (path.pdf > T(0)) & (l.depth >= I(0));
-  T weight = T(1);
-  if (any(weighed)) {
+  Color<T> light;
+  with_lights<T>(scene_, select(lit, s.light, I(0)), [&](const LightLanes<T>& l) {
+    light = l.radiance;
+    M textured = lit & (l.texture >= I(0));
+    if (any(textured))
+      light *= evaluate_textures<T>(scene_.textures, l.texture, s.uv, textured);
+    M weighed = lit & (path.pdf > T(0)) & (l.depth >= I(0));
+    if (none(weighed))
+      return;
     Vec3<T> n = unpack_normal<T>(path.normal);
     T probability = light_probability(scene_, l, path.o, n, weighed);
     T pdf = light_direction_pdf(l, path.o, s.p - path.o, s.geometric);
     T share = T((1 - scene_.environment.probability) * job_.settings.light_fraction);
     T w = power_heuristic(max(path.pdf, T(1e-30f)) * T(job_.settings.bsdf_fraction),
                           pdf * probability * share);
-    weight = select(weighed, w, T(1));
-  }
-  return select(lit, path.throughput * radiance * weight, Color<T>(T(0)));
+    light *= select(weighed, w, T(1));
+  });
+  return select(lit, path.throughput * light, Color<T>(T(0)));
 }
 
 SampleStream<Lanes> Wavefront::stream_of(const PathLanes& path) const {
@@ -104,15 +95,13 @@ Vec2<Lanes> Wavefront::environment_place(const SampleStream<T>& stream, const I&
 
 Wavefront::LightSample Wavefront::sample_lights(const SurfaceLanes<T>& s,
                                                 const SampleStream<T>& stream, const I& dimension,
-                                                const Vec2<T>& place) {
+                                                const T& choice, const Vec2<T>& place) {
   const EnvironmentView& e = scene_.environment;
-  Vec2<T> u{T(0), T(0)}, choice{T(0), T(0)};
-  if (e.probability < 1 || e.columns == 0) { // else the place on the environment is known already
+  Vec2<T> u{T(0), T(0)};
+  if (e.probability < 1 || e.columns == 0) // else the place on the environment is known already
     u = stream.pair(as_uint(dimension));
-    choice = stream.pair(as_uint(dimension + I(2)));
-  }
   T p_environment = T(e.probability);
-  M from_environment = choice.x < p_environment;
+  M from_environment = choice < p_environment;
   LightSample r;
   r.delta = M(false);
   r.valid = M(false);
@@ -121,24 +110,25 @@ Wavefront::LightSample Wavefront::sample_lights(const SurfaceLanes<T>& s,
   r.distance = T(1);
   r.direction = s.frame.n;
   if (e.probability < 1) {
-    T v = min((choice.x - p_environment) / (T(1) - p_environment), T(kOneMinusEpsilon));
+    T v = min((choice - p_environment) / (T(1) - p_environment), T(kOneMinusEpsilon));
     LightChoice<T> light = choose_light(scene_, s.p, s.frame.n, max(v, T(0)));
-    LightLanes<T> l = load_lights<T>(scene_, light.light);
-    LightPoint<T> point = sample_light(scene_, l, s.p, u);
-    r.distance = point.distance;
-    r.direction = point.direction;
     T probability = light.probability * (T(1) - p_environment);
-    r.pdf = point.pdf * probability;
-    r.delta = point.delta;
-    r.valid = point.valid & (probability > T(0)) & !from_environment;
-    r.radiance = l.radiance;
-    M textured = r.valid & (l.texture >= I(0));
-    if (any(textured))
-      r.radiance *= evaluate_textures<T>(scene_.textures, l.texture, point.uv, textured);
-    T density = select(r.valid, r.pdf, T(1));
-    if (any(point.delta))
-      density = select(point.delta, density * point.distance * point.distance, density);
-    r.radiance *= T(1) / density;
+    with_lights<T>(scene_, light.light, [&](const LightLanes<T>& l) {
+      LightPoint<T> point = sample_light(scene_, l, s.p, u);
+      r.distance = point.distance;
+      r.direction = point.direction;
+      r.pdf = point.pdf * probability;
+      r.delta = point.delta;
+      r.valid = point.valid & (probability > T(0)) & !from_environment;
+      r.radiance = l.radiance;
+      M textured = r.valid & (l.texture >= I(0));
+      if (any(textured))
+        r.radiance *= evaluate_textures<T>(scene_.textures, l.texture, point.uv, textured);
+      T density = select(r.valid, r.pdf, T(1));
+      if (any(point.delta))
+        density = select(point.delta, density * point.distance * point.distance, density);
+      r.radiance *= T(1) / density;
+    });
   }
   if (e.probability > 0 && any(from_environment)) {
     EnvironmentLight<T> light =
@@ -155,21 +145,21 @@ Wavefront::LightSample Wavefront::sample_lights(const SurfaceLanes<T>& s,
   return r;
 }
 
-/// The first of n paths in the order, at most W.
-void Wavefront::begin_group(const ClassView& c, const int32_t* order, int n, Group& g) const {
-  // Idle lanes repeat the first path.
-  alignas(64) int32_t group[W];
-  for (int k = 0; k < W; ++k)
-    group[k] = order[k < n ? k : 0];
+/// The first of the n paths from `first` in the order, at most W.
+void Wavefront::begin_group(const ClassView& c, int first, int n, Group& g) const {
   g.active = first_lanes<T>(n);
+  // Idle lanes repeat the first path.
+  I index = select(g.active, load_int<T>(order_ + first), I(order_[first]));
+  I code = select(g.active, load_int<T>(codes_ + first), I(codes_[first]));
+  alignas(64) int32_t group[W];
+  store(group, index);
   g.path = load_paths(group);
   bool untextured = c.single && (c.leaf.program < 0 || !scene_.programs[c.leaf.program].textured);
-  g.surface = surface_points(group, g.path, !untextured);
+  g.surface = surface_points(index, code, g.path, !untextured);
   shader_.prefetch(c, g.surface.material, g.surface.uv, g.active);
   g.place = g.next_choice = {T(0), T(0)};
   const EnvironmentView& e = scene_.environment;
   if (e.columns) {
-    I index = load_int<T>(group);
     g.place = {gather<T>(places_, index), gather<T>(places_ + kPoolRows, index)};
     g.next_choice = environment_choice(stream_of(g.path), first_pair(g.path.depth + I(1)));
     store(group, environment_leaf(e, g.next_choice));
@@ -218,7 +208,7 @@ void Wavefront::shade_group(const ClassView& c, Group& g) {
   q.wo = s.frame.to_local(-path.d);
   q.uv = s.uv;
   q.u = stream.pair(as_uint(dimension + I(1)));
-  Vec2<T> choices = stream.pair(as_uint(dimension + I(3)));
+  Vec2<T> choices = stream.pair(as_uint(dimension + I(2))); // of a light, of a lobe
   q.uc = choices.y;
   q.root = s.material;
   q.active = active;
@@ -239,7 +229,7 @@ void Wavefront::shade_group(const ClassView& c, Group& g) {
                 !delta_only && any(use_light);
   LightSample l;
   if (lights) {
-    l = sample_lights(s, stream, dimension, g.place);
+    l = sample_lights(s, stream, dimension, choices.x, g.place);
     q.wi_light = s.frame.to_local(l.direction);
   }
   ShadingResult<T> r = shader_.shade(c, q);
@@ -369,14 +359,9 @@ void Wavefront::shadows() {
     recorded.near = near.data();
     job_.record(job_.user, RayKind::shadow, &recorded, shadow_count_);
   }
-  trace_shadow(scene_, rays, shadow_count_, blocked_);
-  for (int i = 0; i < shadow_count_; ++i) {
-    // No branch: whether a light is seen is hard to predict.
-    float* pixel = radiance_ + 4 * size_t(shadow_slots_[i]);
-    bool blocked = blocked_[i];
-    for (int k = 0; k < 3; ++k)
-      pixel[k] += blocked ? 0.0f : a[(7 + k) * n + i];
-  }
+  trace_shadow(scene_, rays, shadow_count_, shadow_far_);
+  const float* const contributions[3] = {a + 7 * n, a + 8 * n, a + 9 * n};
+  add_unblocked(contributions, shadow_far_, shadow_slots_, shadow_count_, radiance_);
   counters_.shadow_rays += shadow_count_;
 }
 

@@ -15,9 +15,9 @@ Wavefront::Wavefront(const RenderJob& job, RenderCounters& counters)
       scene_scale_(scene_.environment.scene_radius * 0.05f), row_memory_(2 * 16 * kPoolRows),
       rows_(row_memory_), next_rows_(row_memory_ + 16 * kPoolRows), place_memory_(4 * kPoolRows),
       places_(place_memory_), next_places_(place_memory_ + 2 * kPoolRows), hits_(kPoolRows),
-      order_(kPoolRows), keys_(kPoolRows), distances_(kPoolRows), camera_rays_(8 * kCameraStride),
-      shadow_rays_(10 * kShadowStride), shadow_slots_(kPoolRows), blocked_(kPoolRows),
-      pixel_x_(kPoolRows), pixel_y_(kPoolRows), samples_(kPoolRows),
+      order_(kPoolRows), codes_(kPoolRows), keys_(kPoolRows), distances_(kPoolRows),
+      camera_rays_(8 * kCameraStride), shadow_rays_(10 * kShadowStride), shadow_slots_(kPoolRows),
+      shadow_far_(kPoolRows), pixel_x_(kPoolRows), pixel_y_(kPoolRows), samples_(kPoolRows),
       radiance_(size_t(kChunkRing) * kMaxChunkPaths * 4), begin_(scene_.root_count + 2),
       counters4_(4 * (scene_.root_count + 1)) {}
 
@@ -37,7 +37,7 @@ void Wavefront::run() {
       const ClassView& k = scene_.classes[c];
       int first = begin_[1 + k.first_root], last = begin_[1 + k.first_root + k.roots];
       if (last > first)
-        shade_class(k, order_ + first, last - first);
+        shade_class(k, first, last - first);
     }
     shadows();
     std::swap(rows_, next_rows_);
@@ -233,26 +233,44 @@ Wavefront::I Wavefront::hit_keys(const I& code) const {
 void Wavefront::sort() {
   // Four sets of counters, one for every fourth path: increments of one counter would wait for each
   // other where neighbours share a material.
-  const int keys = scene_.root_count + 1;
+  const int keys = scene_.root_count + 1, count = count_;
   std::fill(counters4_.begin(), counters4_.end(), 0);
-  for (int i = 0; i < count_; i += W)
-    store(keys_ + i, hit_keys(load_int<T>(hits_ + i)));
-  for (int i = 0; i < count_; ++i)
-    ++counters4_[4 * keys_[i] + (i & 3)];
+  int32_t *key4 = keys_, *counters = counters4_.data();
+  for (int i = 0; i < count; i += W)
+    store(key4 + i, hit_keys(load_int<T>(hits_ + i)) << 2);
+  int whole = count & ~3;
+  for (int i = 0; i < whole; i += 4)
+    for (int k = 0; k < 4; ++k)
+      ++counters[key4[i + k] + k];
+  for (int i = whole; i < count; ++i)
+    ++counters[key4[i] + (i & 3)];
   int32_t position = 0;
   for (int key = 0; key < keys; ++key) {
     begin_[key] = position;
     for (int k = 0; k < 4; ++k) {
-      int32_t n = counters4_[4 * key + k];
-      counters4_[4 * key + k] = position;
+      int32_t n = counters[4 * key + k];
+      counters[4 * key + k] = position;
       position += n;
     }
   }
   begin_[keys] = position;
-  for (int i = 0; i < count_; ++i)
-    order_[counters4_[4 * keys_[i] + (i & 3)]++] = i;
-  for (int i = 0; i < kLanePadding; ++i)
-    order_[count_ + i] = order_[max(count_ - 1, 0)];
+  int32_t *order = order_, *codes = codes_;
+  const int32_t* hits = hits_;
+  auto place = [&](int i, int k) {
+    int32_t at = counters[key4[i] + k]++;
+    order[at] = i;
+    codes[at] = hits[i];
+  };
+  for (int i = 0; i < whole; i += 4)
+    for (int k = 0; k < 4; ++k)
+      place(i + k, k);
+  for (int i = whole; i < count; ++i)
+    place(i, i & 3);
+  // What a last group reads beyond the end.
+  for (int i = 0; i < kPad; ++i) {
+    order[count + i] = order[max(count - 1, 0)];
+    codes[count + i] = kNoHit;
+  }
 }
 
 // --- Lanes of paths ---

@@ -122,17 +122,18 @@ private:
   I hit_keys(const I& code) const;
   void sort();
   void shade_misses(const int32_t* order, int n);
-  void shade_class(const ClassView& c, const int32_t* order, int n);
-  void begin_group(const ClassView& c, const int32_t* order, int n, Group& g) const;
+  void shade_class(const ClassView& c, int first, int n);
+  void begin_group(const ClassView& c, int first, int n, Group& g) const;
   void shade_group(const ClassView& c, Group& g);
   M meet(const Group& g);
   void shadows();
 
   PathLanes load_paths(const int32_t* order) const;
-  SurfaceLanes<T> surface_points(const int32_t* order, const PathLanes& path, bool need_uv) const;
+  SurfaceLanes<T> surface_points(const I& index, const I& code, const PathLanes& path,
+                                 bool need_uv) const;
   Color<T> emission(const PathLanes& path, const SurfaceLanes<T>& s, M active);
   LightSample sample_lights(const SurfaceLanes<T>& s, const SampleStream<T>& stream,
-                            const I& dimension, const Vec2<T>& place);
+                            const I& dimension, const T& choice, const Vec2<T>& place);
   SampleStream<T> stream_of(const PathLanes& path) const;
   Vec2<T> environment_choice(const SampleStream<T>& stream, const I& dimension) const;
   Vec2<T> environment_place(const SampleStream<T>& stream, const I& dimension,
@@ -169,12 +170,14 @@ private:
   /// paths.
   AlignedArray<float> place_memory_;
   float *places_, *next_places_;
-  AlignedArray<int32_t> hits_, order_, keys_;
+  AlignedArray<int32_t> hits_;          ///< hit codes of the pool
+  AlignedArray<int32_t> order_, codes_; ///< the pool sorted by material: row and hit code
+  AlignedArray<int32_t> keys_;          ///< of sort(): 4 times the key of each path
   AlignedArray<float> distances_;
   AlignedArray<float> camera_rays_; ///< origin, direction, near, far as arrays
   AlignedArray<float> shadow_rays_; ///< origin, direction, far, contribution as arrays
   AlignedArray<int32_t> shadow_slots_;
-  AlignedArray<uint8_t> blocked_;
+  AlignedArray<float> shadow_far_; ///< below 0: blocked
   AlignedArray<int32_t> pixel_x_, pixel_y_, samples_;
   AlignedArray<float> radiance_;   ///< RGBA a slot, kMaxChunkPaths a ring entry
   std::vector<int32_t> begin_;     ///< first position of each key in the order

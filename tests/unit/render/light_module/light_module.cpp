@@ -22,9 +22,10 @@ void store_mask(int32_t* out, const MaskOf<T>& m) {
 
 void sample(const SceneView& scene, const LightQueries& q, const LightAnswers& a, int n) {
   for (int i = 0; i < n; i += kWidthOf<T>) {
-    LightLanes<T> l = load_lights<T>(scene, load_int<T>(q.light + i));
     Vec2<T> u{load<T>(q.u[0] + i), load<T>(q.u[1] + i)};
-    LightPoint<T> s = sample_light(scene, l, load3(q.p, i), u);
+    LightPoint<T> s;
+    with_lights<T>(scene, load_int<T>(q.light + i),
+                   [&](const LightLanes<T>& l) { s = sample_light(scene, l, load3(q.p, i), u); });
     store3(a.offset, i, s.offset);
     store3(a.direction, i, s.direction);
     store(a.distance + i, s.distance);
@@ -37,8 +38,9 @@ void sample(const SceneView& scene, const LightQueries& q, const LightAnswers& a
 void pdf(const SceneView& scene, const LightQueries& q, const float* const (&offset)[3], float* pdf,
          int n) {
   for (int i = 0; i < n; i += kWidthOf<T>) {
-    LightLanes<T> l = load_lights<T>(scene, load_int<T>(q.light + i));
-    store(pdf + i, light_direction_pdf(l, load3(q.p, i), load3(offset, i), load3(q.normal, i)));
+    with_lights<T>(scene, load_int<T>(q.light + i), [&](const LightLanes<T>& l) {
+      store(pdf + i, light_direction_pdf(l, load3(q.p, i), load3(offset, i), load3(q.normal, i)));
+    });
   }
 }
 
@@ -54,9 +56,10 @@ void choose(const SceneView& scene, const LightQueries& q, int32_t* light, float
 
 void probability(const SceneView& scene, const LightQueries& q, float* probability, int n) {
   for (int i = 0; i < n; i += kWidthOf<T>) {
-    LightLanes<T> l = load_lights<T>(scene, load_int<T>(q.light + i));
-    store(probability + i, light_probability(scene, l, load3(q.p, i), load3(q.normal, i),
-                                             MaskOf<T>(l.depth >= I(0))));
+    with_lights<T>(scene, load_int<T>(q.light + i), [&](const LightLanes<T>& l) {
+      store(probability + i, light_probability(scene, l, load3(q.p, i), load3(q.normal, i),
+                                               MaskOf<T>(l.depth >= I(0))));
+    });
   }
 }
 
