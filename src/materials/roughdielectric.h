@@ -72,7 +72,8 @@ template <class T> struct RoughDielectric {
     T mo = dot(o, m), mi = dot(i, m); // times |m|
     // Refraction knows both cosines: near the critical angle Snell's law would lose digits.
     T cos_o = min(mo / m_length, T(1));
-    T cos_t = select(reflected, snell_cosine(cos_o, side.eta_it, side.eta_ti), abs(mi) / m_length);
+    T cos_t =
+        select(reflected, snell_cosine_of_reflection(o, i, m_length2, side), abs(mi) / m_length);
     DielectricFresnel<T> f = fresnel_dielectric_between(cos_o, cos_t, side.eta_it, side.eta_ti);
 
     Microfacet<T> all = surface(T(1));
@@ -135,6 +136,18 @@ private:
       eta_ti = select(above, up, down);
     }
   };
+  /// snell_cosine() of the angle between h and the directions that h reflects into each other.
+  static FACETA_INLINE T snell_cosine_of_reflection(const Vec3<T>& o, const Vec3<T>& i,
+                                                    const T& m_length2, const Side& side) {
+    // Near the critical angle the root magnifies each rounding of eta^2 - sin^2 = eta^2 - 1 +
+    // cos^2: the smaller one of |o - i|^2 = 4 sin^2 and |m|^2 = 4 cos^2 has the smaller error.
+    const T& eta = side.eta_it;
+    Vec3<T> chord = o - i;
+    T chord2 = dot(chord, chord);
+    T steep = fma(eta, eta, T(-0.25) * chord2);
+    T grazing = fma(eta - T(1), eta + T(1), T(0.25) * m_length2);
+    return side.eta_ti * safe_sqrt(select(chord2 < m_length2, steep, grazing));
+  }
   FACETA_INLINE Microfacet<T> surface(const T& widened) const {
     return {
         {distribution, sample_visible, height_correlated, 0}, alpha_u * widened, alpha_v * widened};
