@@ -15,6 +15,8 @@
 #include <type_traits>
 
 #define FACETA_INLINE inline __attribute__((always_inline))
+/// After the parameters of a lambda: its body goes where it is called.
+#define FACETA_INLINE_LAMBDA __attribute__((always_inline))
 #define FACETA_NOINLINE __attribute__((noinline))
 
 namespace faceta {

@@ -293,8 +293,9 @@ template <class T> struct NearRectanglePoint {
   Vec3<T> offset; ///< from p
   T b1, b2, solid_angle;
 };
+/// Rare: out of the way of the others. Takes a copy, so that theirs stays in registers.
 template <class T> FACETA_NOINLINE NearRectanglePoint<T>
-sample_near_rectangle(const LightLanes<T>& l, const Vec3<T>& p, const Vec2<T>& u) {
+sample_near_rectangle(const LightLanes<T> l, const Vec3<T> p, const Vec2<T> u) {
   RectangleView<T> r = view_rectangle(l, p);
   Vec3<T> q = sample_rectangle(r, u);
   return {q, (dot(q, r.x) - r.x0) * l.inverse1, (dot(q, r.y) - r.y0) * l.inverse2, r.solid_angle};

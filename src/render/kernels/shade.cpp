@@ -27,19 +27,23 @@ void Wavefront::shade_class(const ClassView& c, int first, int n) {
   counters_.groups += (n + W - 1) / W;
 }
 
-SurfaceLanes<Lanes> Wavefront::surface_points(const I& index, const I& code, const PathLanes& path,
-                                              bool need_uv) const {
+void Wavefront::surface_points(const I& index, const I& code, bool need_uv, Group& g) const {
+  const PathLanes& path = g.path;
   M is_quadric = code >= I(kQuadricHit);
-  if (none(is_quadric))
-    return triangle_point<T>(scene_, code, path.o, path.d, need_uv);
+  if (none(is_quadric)) {
+    g.surface = triangle_point<T>(scene_, code, path.o, path.d, need_uv);
+    return;
+  }
   I quadric_index = select(is_quadric, code - I(kQuadricHit), I(0));
   SurfaceLanes<T> q =
       quadric_point<T>(scene_, quadric_index, path.o, path.d, gather<T>(distances_, index));
-  if (all(is_quadric))
-    return q;
+  if (all(is_quadric)) {
+    g.surface = q;
+    return;
+  }
   SurfaceLanes<T> t =
       triangle_point<T>(scene_, select(is_quadric, I(0), code), path.o, path.d, need_uv);
-  SurfaceLanes<T> s;
+  SurfaceLanes<T>& s = g.surface;
   s.p = select(is_quadric, q.p, t.p);
   s.geometric = select(is_quadric, q.geometric, t.geometric);
   s.frame = {select(is_quadric, q.frame.s, t.frame.s), select(is_quadric, q.frame.t, t.frame.t),
@@ -47,7 +51,6 @@ SurfaceLanes<Lanes> Wavefront::surface_points(const I& index, const I& code, con
   s.uv = {select(is_quadric, q.uv.x, t.uv.x), select(is_quadric, q.uv.y, t.uv.y)};
   s.material = select(is_quadric, q.material, t.material);
   s.light = select(is_quadric, q.light, t.light);
-  return s;
 }
 
 /// Light that the path met by chance, weighted against having sampled it.
@@ -58,22 +61,23 @@ Color<Lanes> Wavefront::emission(const PathLanes& path, const SurfaceLanes<T>& s
   if (none(lit))
     return Color<T>(T(0));
   Color<T> light;
-  with_lights<T>(scene_, select(lit, s.light, I(0)), [&](const LightLanes<T>& l) {
-    light = l.radiance;
-    M textured = lit & (l.texture >= I(0));
-    if (any(textured))
-      light *= evaluate_textures<T>(scene_.textures, l.texture, s.uv, textured);
-    M weighed = lit & (path.pdf > T(0)) & (l.depth >= I(0));
-    if (none(weighed))
-      return;
-    Vec3<T> n = unpack_normal<T>(path.normal);
-    T probability = light_probability(scene_, l, path.o, n, weighed);
-    T pdf = light_direction_pdf(l, path.o, s.p - path.o, s.geometric);
-    T share = T((1 - scene_.environment.probability) * job_.settings.light_fraction);
-    T w = power_heuristic(max(path.pdf, T(1e-30f)) * T(job_.settings.bsdf_fraction),
-                          pdf * probability * share);
-    light *= select(weighed, w, T(1));
-  });
+  with_lights<T>(scene_, select(lit, s.light, I(0)),
+                 [&](const LightLanes<T>& l) FACETA_INLINE_LAMBDA {
+                   light = l.radiance;
+                   M textured = lit & (l.texture >= I(0));
+                   if (any(textured))
+                     light *= evaluate_textures<T>(scene_.textures, l.texture, s.uv, textured);
+                   M weighed = lit & (path.pdf > T(0)) & (l.depth >= I(0));
+                   if (none(weighed))
+                     return;
+                   Vec3<T> n = unpack_normal<T>(path.normal);
+                   T probability = light_probability(scene_, l, path.o, n, weighed);
+                   T pdf = light_direction_pdf(l, path.o, s.p - path.o, s.geometric);
+                   T share = T((1 - scene_.environment.probability) * job_.settings.light_fraction);
+                   T w = power_heuristic(max(path.pdf, T(1e-30f)) * T(job_.settings.bsdf_fraction),
+                                         pdf * probability * share);
+                   light *= select(weighed, w, T(1));
+                 });
   return select(lit, path.throughput * light, Color<T>(T(0)));
 }
 
@@ -93,7 +97,7 @@ Vec2<Lanes> Wavefront::environment_place(const SampleStream<T>& stream, const I&
   return choose_environment_place(scene_.environment, choice, stream.pair(as_uint(dimension)));
 }
 
-Wavefront::LightSample Wavefront::sample_lights(const SurfaceLanes<T>& s,
+FACETA_INLINE Wavefront::LightSample Wavefront::sample_lights(const SurfaceLanes<T>& s,
                                                 const SampleStream<T>& stream, const I& dimension,
                                                 const T& choice, const Vec2<T>& place) {
   const EnvironmentView& e = scene_.environment;
@@ -113,7 +117,7 @@ Wavefront::LightSample Wavefront::sample_lights(const SurfaceLanes<T>& s,
     T v = min((choice - p_environment) / (T(1) - p_environment), T(kOneMinusEpsilon));
     LightChoice<T> light = choose_light(scene_, s.p, s.frame.n, max(v, T(0)));
     T probability = light.probability * (T(1) - p_environment);
-    with_lights<T>(scene_, light.light, [&](const LightLanes<T>& l) {
+    with_lights<T>(scene_, light.light, [&](const LightLanes<T>& l) FACETA_INLINE_LAMBDA {
       LightPoint<T> point = sample_light(scene_, l, s.p, u);
       r.distance = point.distance;
       r.direction = point.direction;
@@ -153,9 +157,9 @@ void Wavefront::begin_group(const ClassView& c, int first, int n, Group& g) cons
   I code = select(g.active, load_int<T>(codes_ + first), I(codes_[first]));
   alignas(64) int32_t group[W];
   store(group, index);
-  g.path = load_paths(group);
+  load_paths(group, g.path);
   bool untextured = c.single && (c.leaf.program < 0 || !scene_.programs[c.leaf.program].textured);
-  g.surface = surface_points(index, code, g.path, !untextured);
+  surface_points(index, code, !untextured, g);
   shader_.prefetch(c, g.surface.material, g.surface.uv, g.active);
   g.place = g.next_choice = {T(0), T(0)};
   const EnvironmentView& e = scene_.environment;

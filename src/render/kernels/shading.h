@@ -33,7 +33,7 @@ public:
 
   ShadingResult<T> shade(const ClassView& c, const ShadingQuery<T>& q) {
     if (c.single)
-      return run_leaf(c.leaf, root_rows(q.root), q, q.uc, true);
+      return run_leaf(c.leaf, leaf_rows(q.root), q, q.uc, true);
     return shade_tree(scene_.roots[c.first_root], q);
   }
 
@@ -41,16 +41,16 @@ public:
   void prefetch(const ClassView& c, const IntOf<T>& root, const Vec2<T>& uv,
                 MaskOf<T> active) const {
     if (c.single) {
-      prefetch_leaf(c.leaf, root_rows(root), uv, active);
+      prefetch_leaf(c.leaf, leaf_rows(root), uv, active);
       return;
     }
     const RootView& r = scene_.roots[c.first_root];
     for (int i = 0; i < r.leaves; ++i) {
       const LeafView& leaf = scene_.leaves[r.first_leaf + i];
       for (int k = 0; k < leaf.weights; ++k)
-        prefetch_textures<T>(scene_.textures,
-                             IntOf<T>(scene_.weights[leaf.first_weight + k].texture), uv, active);
-      prefetch_leaf(leaf, IntOf<T>(leaf.row), uv, active);
+        prefetch_texture<T>(scene_.textures, scene_.weights[leaf.first_weight + k].texture, uv,
+                            active);
+      prefetch_leaf(leaf, same_row(leaf.row), uv, active);
     }
   }
 
@@ -58,24 +58,39 @@ private:
   static constexpr int kWidth = kWidthOf<T>;
   static constexpr int kRootWords = sizeof(RootView) / 4;
 
-  void prefetch_leaf(const LeafView& leaf, const IntOf<T>& row, const Vec2<T>& uv,
+  /// Which record each lane's parameters are in: `common` if that is not negative.
+  struct LeafRows {
+    int32_t common;
+    IntOf<T> each;
+  };
+  static LeafRows same_row(int32_t row) { return {row, IntOf<T>(row)}; }
+  /// The records of the lanes' roots, where those are single leaves.
+  LeafRows leaf_rows(const IntOf<T>& root) const {
+    int32_t first = lane(root, 0);
+    if (all(root == IntOf<T>(first)))
+      return same_row(scene_.roots[first].row);
+    return {-1, gather_int<T>(&scene_.roots[0].row, root * IntOf<T>(kRootWords))};
+  }
+
+  void prefetch_leaf(const LeafView& leaf, const LeafRows& rows, const Vec2<T>& uv,
                      MaskOf<T> active) const {
     if (leaf.program < 0)
       return;
     const ProgramView& p = scene_.programs[leaf.program];
-    for (int k = 0; k < p.texture_slots; ++k)
-      prefetch_textures<T>(scene_.textures, texture_ids(p, k, row), uv, active);
-  }
-  /// The record of each lane's root, where that is a single leaf.
-  IntOf<T> root_rows(const IntOf<T>& root) const {
-    return gather_int<T>(&scene_.roots[0].row, root * IntOf<T>(kRootWords));
+    for (int k = 0; k < p.texture_slots; ++k) {
+      if (rows.common >= 0)
+        prefetch_texture<T>(scene_.textures, p.textures[rows.common * p.texture_slots + k], uv,
+                            active);
+      else
+        prefetch_textures<T>(scene_.textures, texture_ids(p, k, rows.each), uv, active);
+    }
   }
   static IntOf<T> texture_ids(const ProgramView& p, int k, const IntOf<T>& row) {
     return gather_int<T>(p.textures + k, row * IntOf<T>(p.texture_slots));
   }
 
   /// One leaf. Directions are mirrored into its side and back.
-  ShadingResult<T> run_leaf(const LeafView& leaf, const IntOf<T>& row, const ShadingQuery<T>& q,
+  ShadingResult<T> run_leaf(const LeafView& leaf, const LeafRows& rows, const ShadingQuery<T>& q,
                             const T& uc, bool with_sample) {
     ShadingResult<T> r;
     T side = T(1);
@@ -91,10 +106,18 @@ private:
       return r;
     }
     const ProgramView& p = scene_.programs[leaf.program];
-    bind_textures(p, row, q);
-    store(rows_, row);
-    MaterialArgs args{p.records,  p.stride,       p.choices, p.tables,
-                      p.textured, slot_pointers_, rows_,     importance_};
+    bind_textures(p, rows, q);
+    bool common = rows.common >= 0;
+    if (!common)
+      store(rows_, rows.each);
+    MaterialArgs args{common ? p.records + rows.common * int64_t(p.stride) : p.records,
+                      p.stride,
+                      p.choices,
+                      p.tables,
+                      p.textured,
+                      slot_pointers_,
+                      common ? nullptr : rows_,
+                      importance_};
     put(wo_, {q.wo.x, q.wo.y, q.wo.z * side});
     put(wi_, {q.wi_light.x, q.wi_light.y, q.wi_light.z * side});
     store(uv_[0], q.uv.x);
@@ -141,9 +164,12 @@ private:
     s.valid = (flags & I(kValidFlag)) != I(0);
   }
 
-  void bind_textures(const ProgramView& p, const IntOf<T>& row, const ShadingQuery<T>& q) {
+  void bind_textures(const ProgramView& p, const LeafRows& rows, const ShadingQuery<T>& q) {
     for (int k = 0; k < p.texture_slots; ++k) {
-      Color<T> c = evaluate_textures<T>(scene_.textures, texture_ids(p, k, row), q.uv, q.active);
+      int id = rows.common >= 0 ? p.textures[rows.common * p.texture_slots + k] : -1;
+      Color<T> c = id >= 0 ? evaluate_texture<T>(scene_.textures, id, q.uv)
+                           : evaluate_textures<T>(scene_.textures, texture_ids(p, k, rows.each),
+                                                  q.uv, q.active);
       const TextureSlot& slot = p.slots[k];
       if (slot.count == 3)
         for (int i = 0; i < 3; ++i)
@@ -180,7 +206,7 @@ private:
       T rescaled = (q.uc - cumulated) / select(w > T(0), w, T(1));
       rescaled = clamp(rescaled, T(0), T(kOneMinusEpsilon));
       cumulated = cumulated + w;
-      ShadingResult<T> r = run_leaf(leaf, I(leaf.row), q, rescaled, true);
+      ShadingResult<T> r = run_leaf(leaf, same_row(leaf.row), q, rescaled, true);
       total.light.value += r.light.value * w;
       total.light.pdf = fma(r.light.pdf, w, total.light.pdf);
       chosen = select(mine, I(i), chosen);
@@ -197,7 +223,7 @@ private:
         if (leaf.program < 0 || scene_.programs[leaf.program].delta_only || none(others))
           continue;
         T w = select(others, leaf_weight(leaf, q), T(0));
-        ShadingResult<T> r = run_leaf(leaf, I(leaf.row), towards, T(0), false);
+        ShadingResult<T> r = run_leaf(leaf, same_row(leaf.row), towards, T(0), false);
         total.sample.value += r.light.value * w;
         total.sample.pdf = fma(r.light.pdf, w, total.sample.pdf);
       }

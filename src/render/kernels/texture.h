@@ -153,30 +153,37 @@ template <class T> Color<T> evaluate_textures(const TextureView* textures, const
   return result;
 }
 
-/// Fetches ahead the texels that evaluate_textures() will read.
+/// Fetches ahead the texels of texture `id` (below 0: none) that the active lanes will read.
+template <class T>
+void prefetch_texture(const TextureView* textures, int id, const Vec2<T>& uv, MaskOf<T> active) {
+  if (id < 0)
+    return;
+  const TextureView& t = textures[id];
+  if (t.type != TextureType::bitmap8 && t.type != TextureType::bitmap_float)
+    return;
+  TexelCorners<T> k(t, uv);
+  constexpr int kWidth = kWidthOf<T>;
+  // Two opposite corners: the other two mostly lie in the same tiles.
+  alignas(64) int32_t first[kWidth], last[kWidth];
+  store(first, texel_index(t, k.x0, k.y0));
+  store(last, texel_index(t, k.x1, k.y1));
+  for (uint32_t bits = mask_bits(active); bits; bits &= bits - 1) {
+    int i = __builtin_ctz(bits);
+    if (t.type == TextureType::bitmap8) {
+      __builtin_prefetch(t.texels8 + first[i]);
+      __builtin_prefetch(t.texels8 + last[i]);
+    } else {
+      __builtin_prefetch(t.texels + 4 * size_t(first[i]));
+      __builtin_prefetch(t.texels + 4 * size_t(last[i]));
+    }
+  }
+}
+
+/// The same of each lane's own texture, for evaluate_textures().
 template <class T> void prefetch_textures(const TextureView* textures, const IntOf<T>& ids,
                                           const Vec2<T>& uv, MaskOf<T> active) {
-  for_each_texture(ids, active, [&](int id, MaskOf<T> mine) {
-    const TextureView& t = textures[id];
-    if (t.type != TextureType::bitmap8 && t.type != TextureType::bitmap_float)
-      return;
-    TexelCorners<T> k(t, uv);
-    constexpr int kWidth = kWidthOf<T>;
-    // Two opposite corners: the other two mostly lie in the same tiles.
-    alignas(64) int32_t first[kWidth], last[kWidth];
-    store(first, texel_index(t, k.x0, k.y0));
-    store(last, texel_index(t, k.x1, k.y1));
-    for (uint32_t bits = mask_bits(mine); bits; bits &= bits - 1) {
-      int i = __builtin_ctz(bits);
-      if (t.type == TextureType::bitmap8) {
-        __builtin_prefetch(t.texels8 + first[i]);
-        __builtin_prefetch(t.texels8 + last[i]);
-      } else {
-        __builtin_prefetch(t.texels + 4 * size_t(first[i]));
-        __builtin_prefetch(t.texels + 4 * size_t(last[i]));
-      }
-    }
-  });
+  for_each_texture(ids, active,
+                   [&](int id, MaskOf<T> mine) { prefetch_texture<T>(textures, id, uv, mine); });
 }
 
 /// Luminance of linear sRGB (ITU-R BT.709).

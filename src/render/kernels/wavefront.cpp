@@ -275,10 +275,9 @@ void Wavefront::sort() {
 
 // --- Lanes of paths ---
 
-Wavefront::PathLanes Wavefront::load_paths(const int32_t* order) const {
+void Wavefront::load_paths(const int32_t* order, PathLanes& p) const {
   T w[16];
   load_rows<T>(rows_, 16, order, w);
-  PathLanes p;
   p.o = {w[0], w[1], w[2]};
   p.d = {w[3], w[4], w[5]};
   p.pdf = w[6];
@@ -289,7 +288,6 @@ Wavefront::PathLanes Wavefront::load_paths(const int32_t* order) const {
   p.sample = as_integer(w[13]);
   p.depth = as_integer(w[14]);
   p.normal = as_integer(w[15]);
-  return p;
 }
 
 void Wavefront::add(const Color<T>& c, const I& slot, M mask) {
@@ -319,7 +317,8 @@ void Wavefront::shade_misses(const int32_t* order, int n) {
   const EnvironmentView& e = scene_.environment;
   for (int i = 0; i < n; i += W) {
     M active = first_lanes<T>(n - i);
-    PathLanes path = load_paths(order + i);
+    PathLanes path;
+    load_paths(order + i, path);
     M direct =
         active & (job_.settings.alpha_of_hits ? path.depth == I(0) : path.pdf == T(kUnscattered));
     if (job_.settings.alpha_of_hits || !environment_is_seen())

@@ -128,9 +128,8 @@ private:
   M meet(const Group& g);
   void shadows();
 
-  PathLanes load_paths(const int32_t* order) const;
-  SurfaceLanes<T> surface_points(const I& index, const I& code, const PathLanes& path,
-                                 bool need_uv) const;
+  void load_paths(const int32_t* order, PathLanes& path) const;
+  void surface_points(const I& index, const I& code, bool need_uv, Group& g) const;
   Color<T> emission(const PathLanes& path, const SurfaceLanes<T>& s, M active);
   LightSample sample_lights(const SurfaceLanes<T>& s, const SampleStream<T>& stream,
                             const I& dimension, const T& choice, const Vec2<T>& place);
