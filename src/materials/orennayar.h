@@ -178,11 +178,13 @@ private:
               fma(fma(T(0.111709), mu, T(-0.518982)), mu, T(0.303392)) +
                   fma(T(0.335918), mu, T(-0.276266)) * r,
               T(1));
-    m.b = r * (fma(T(1.15859), mu, T(-1.16407)) + fma(T(-0.150105), mu, T(0.150815)) * r) /
+    // The fit's polynomials in t = 1 - mu where they nearly vanish at mu = 1.
+    T t = T(1) - mu;
+    m.b = r * (fma(T(-1.15859), t, T(-0.00548)) + fma(T(0.150105), t, T(0.00071)) * r) /
           (mu * mu * mu - T(1.43545));
     m.c = fma(r, fma(fma(T(0.261777), mu, T(-0.506373)), mu, T(0.20013)), T(1));
-    m.d = r * fma(fma(T(0.475392), mu, T(-1.01625)), mu, T(0.540852)) /
-          fma(mu + T(0.0725628), mu, T(-1.0743));
+    m.d = r * fma(fma(T(0.475392), t, T(0.065466)), t, T(-0.000006)) /
+          fma(t - T(2.0725628), t, T(-0.0017372));
     m.share = T(0.5) + T(0.5) / sqrt(fma(m.d, m.d, T(1)));
     T s = sine(wo);
     auto tilted = s > T(0);
