@@ -1,6 +1,7 @@
 #include "scene/accel.h"
 
 #include "base/error.h"
+#include "base/huge_pages.h"
 
 #include <cmath>
 #include <embree3/rtcore.h>
@@ -99,6 +100,9 @@ void Accelerator::build(SceneGeometry& geometry) {
     attach_quadrics(geometry);
   rtcCommitScene(scene_);
   check("build the scene's tree");
+  // Small trees fit into the caches and their page tables too.
+  if (bytes() > (size_t(1) << 20))
+    prefer_huge_pages();
 }
 
 void Accelerator::attach_triangles(SceneGeometry& geometry) {

@@ -78,11 +78,12 @@ template <class T> FACETA_INLINE Vec2<T>
 choose_environment_place(const EnvironmentView& e, const Vec2<T>& choice, const Vec2<T>& place) {
   using I = IntOf<T>;
   const float* words = reinterpret_cast<const float*>(e.leaves);
-  const int32_t* integers = reinterpret_cast<const int32_t*>(e.leaves);
-  I leaf = environment_leaf(e, choice) << 3;
-  auto keep = choice.y < gather<T>(words, leaf);
-  leaf = leaf + select(keep, I(1), I(2));
-  I origin = gather_int<T>(integers, leaf), size = gather_int<T>(integers + 2, leaf);
+  I quad = environment_leaf(e, choice) << 1;
+  T a[4], b[4]; // threshold, origins, own size; the alias's size, ...
+  load_quads<T>(words, quad, a);
+  load_quads<T>(words + 4, quad, b);
+  auto keep = choice.y < a[0];
+  I origin = as_integer(select(keep, a[1], a[2])), size = as_integer(select(keep, a[3], b[0]));
   auto low = [](const I& word) { return to_float(word & I(0xffff)); };
   auto high = [](const I& word) { return to_float((word >> 16) & I(0xffff)); };
   return {fma(low(size), place.x, low(origin)), fma(high(size), place.y, high(origin))};

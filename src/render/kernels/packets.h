@@ -3,7 +3,6 @@
 /// Handing rays to Embree in the packets it likes best, and taking hits back.
 
 #include "render/job.h"
-#include "render/kernels/environment.h"
 #include "render/kernels/rows.h"
 #include "render/kernels/surface.h"
 
@@ -11,17 +10,12 @@
 
 namespace faceta {
 
-/// What a packet's hits are written to, and the places on the environment (in cells; null: none)
-/// that the vertices there will sample.
+/// What a packet's hits are written to.
 struct HitArrays {
   int32_t* codes;
   float* distances;
-  const float *place_x, *place_y;
 
-  FACETA_INLINE HitArrays from(int i) const {
-    return {codes + i, distances + i, place_x ? place_x + i : nullptr,
-            place_y ? place_y + i : nullptr};
-  }
+  FACETA_INLINE HitArrays from(int i) const { return {codes + i, distances + i}; }
 };
 
 /// What a hit lies on: the record of a triangle or quadric (of the first triangle for a miss).
@@ -40,9 +34,6 @@ FACETA_INLINE void prefetch_hit(const SceneView& scene, const HitArrays& hits, i
   const char* record = hit_record(scene, hits.codes[k]);
   __builtin_prefetch(record);
   __builtin_prefetch(record + 64);
-  const EnvironmentView& e = scene.environment;
-  if (hits.place_x && hits.codes[k] != kNoHit)
-    __builtin_prefetch(e.cells + environment_cell_at(e, hits.place_x[k], hits.place_y[k]));
 }
 
 FACETA_INLINE int32_t hit_code(uint32_t geometry, uint32_t primitive) {

@@ -98,8 +98,9 @@ Vec2<Lanes> Wavefront::environment_place(const SampleStream<T>& stream, const I&
 }
 
 FACETA_INLINE Wavefront::LightSample Wavefront::sample_lights(const SurfaceLanes<T>& s,
-                                                const SampleStream<T>& stream, const I& dimension,
-                                                const T& choice, const Vec2<T>& place) {
+                                                              const SampleStream<T>& stream,
+                                                              const I& dimension, const T& choice,
+                                                              const Vec2<T>& place) {
   const EnvironmentView& e = scene_.environment;
   Vec2<T> u{T(0), T(0)};
   if (e.probability < 1 || e.columns == 0) // else the place on the environment is known already

@@ -11,7 +11,7 @@ namespace faceta {
 
 /// Decoding of sRGB bytes (IEC 61966-2-1), one table a module.
 struct SrgbTable {
-  float value[256];
+  alignas(64) float value[256];
   SrgbTable() {
     for (int i = 0; i < 256; ++i) {
       double c = i / 255.0;
@@ -20,6 +20,26 @@ struct SrgbTable {
   }
 };
 inline const SrgbTable kSrgbTable;
+
+/// The entries of the table at bytes.
+template <class T> FACETA_INLINE T decode_srgb(const IntOf<T>& byte) {
+  return gather<T>(kSrgbTable.value, byte);
+}
+#if FACETA_LANE_WIDTH == 16
+// Eight permutations of 32 entries each and a choice among them take half the time of a gather.
+template <> FACETA_INLINE Lanes decode_srgb<Lanes>(const LaneInt& byte) {
+  __m512 part[8];
+  for (int k = 0; k < 8; ++k)
+    part[k] = _mm512_permutex2var_ps(_mm512_load_ps(kSrgbTable.value + 32 * k), byte.v.raw,
+                                     _mm512_load_ps(kSrgbTable.value + 32 * k + 16));
+  for (int bit = 5; bit < 8; ++bit) {
+    __mmask16 set = _mm512_test_epi32_mask(byte.v.raw, _mm512_set1_epi32(1 << bit));
+    for (int k = 0; k < 128 >> bit; ++k)
+      part[k] = _mm512_mask_blend_ps(set, part[2 * k], part[2 * k + 1]);
+  }
+  return Lanes::Vector{part[0]};
+}
+#endif
 
 /// Wraps a texel coordinate into [0, size).
 template <class T> FACETA_INLINE IntOf<T> wrap_texel(const IntOf<T>& i, int size, WrapMode mode) {
@@ -61,8 +81,7 @@ FACETA_INLINE Color<T> fetch_texel(const TextureView& t, const IntOf<T>& x, cons
     I texel = gather_int<T>(reinterpret_cast<const int32_t*>(t.texels8), index);
     I r = texel & I(255), g = (texel >> 8) & I(255), b = (texel >> 16) & I(255);
     if (t.srgb)
-      return Color<T>(gather<T>(kSrgbTable.value, r), gather<T>(kSrgbTable.value, g),
-                      gather<T>(kSrgbTable.value, b));
+      return Color<T>(decode_srgb<T>(r), decode_srgb<T>(g), decode_srgb<T>(b));
     T scale = T(1.0f / 255.0f);
     return Color<T>(to_float(r) * scale, to_float(g) * scale, to_float(b) * scale);
   }

@@ -157,7 +157,7 @@ void Wavefront::generate(int count) {
                    rays + 7 * kCameraStride};
   if (job_.record)
     job_.record(job_.user, RayKind::camera, &arrays, count);
-  trace_camera(scene_, arrays, count, hit_arrays().from(count_));
+  trace_camera(scene_, arrays, count, HitArrays{hits_, distances_}.from(count_));
   float* pixels = radiance_ + 4 * size_t(first_slot);
   for (int i = 0; i < count; ++i) {
     pixels[4 * i] = pixels[4 * i + 1] = pixels[4 * i + 2] = 0;
@@ -183,12 +183,6 @@ void Wavefront::finish_chunks() {
 
 // --- Tracing and sorting ---
 
-HitArrays Wavefront::hit_arrays() const {
-  bool environment = scene_.environment.columns > 0;
-  return {hits_, distances_, environment ? places_ : nullptr,
-          environment ? places_ + kPoolRows : nullptr};
-}
-
 void Wavefront::trace() {
   if (survivors_ == 0)
     return;
@@ -210,7 +204,7 @@ void Wavefront::trace() {
   float distances[kLanePadding];
   std::memcpy(codes, hits_ + survivors_, 4 * tail);
   std::memcpy(distances, distances_ + survivors_, 4 * tail);
-  trace_rows(scene_, rows_, survivors_, hit_arrays());
+  trace_rows(scene_, rows_, survivors_, {hits_, distances_});
   std::memcpy(hits_ + survivors_, codes, 4 * tail);
   std::memcpy(distances_ + survivors_, distances, 4 * tail);
   counters_.closest_rays += survivors_;

@@ -117,7 +117,6 @@ private:
   void start_paths(int row_index, const CameraRay<T>& r, const I& slot, const I& pixel_index,
                    const I& s);
   void finish_chunks();
-  HitArrays hit_arrays() const;
   void trace();
   I hit_keys(const I& code) const;
   void sort();
