@@ -343,6 +343,19 @@ void add_verify(CLI::App& app, Action& action) {
   });
 }
 
+void add_docs(CLI::App& app, Action& action) {
+  auto options = std::make_shared<DocsOptions>();
+  CLI::App* sub =
+      app.add_subcommand("docs", "Write the documentation: a page a material, and the report card");
+  sub->footer("Renders pictures and verifies every material: minutes. The same materials give the\n"
+              "same pages. --check takes seconds; exit code 1 if a page is missing or stale.");
+  sub->add_option("folder", options->folder, "what to write to")->required()->type_name("FOLDER");
+  sub->add_flag("--check", options->check,
+                "write nothing; compare all but pictures, plots and verdicts");
+  sub->add_flag("-q,--quiet", options->quiet, "no progress");
+  sub->callback([=, &action] { action = [=] { return run_docs(*options); }; });
+}
+
 } // namespace
 
 Action parse_arguments(int argc, char** argv) {
@@ -364,6 +377,7 @@ Action parse_arguments(int argc, char** argv) {
   add_diff(app, action);
   add_info(app, action);
   add_verify(app, action);
+  add_docs(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

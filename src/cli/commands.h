@@ -73,4 +73,11 @@ struct VerifyOptions {
 };
 int run_verify(const VerifyOptions& options);
 
+struct DocsOptions {
+  std::string folder;
+  bool check = false; ///< compare what is there instead of writing
+  bool quiet = false;
+};
+int run_docs(const DocsOptions& options);
+
 } // namespace faceta::cli

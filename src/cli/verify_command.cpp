@@ -97,7 +97,7 @@ int run_verify(const VerifyOptions& options) {
     json->commit();
   }
   if (page) {
-    page->write(suite_html(report, draw_plots(report, options.quiet), FACETA_VERSION));
+    page->write(suite_html(report, draw_plots(report, options.quiet), {FACETA_VERSION}));
     page->commit();
   }
   if (options.json != "-" && options.html != "-") {

@@ -202,15 +202,6 @@ std::string indented(std::string text) {
   return text;
 }
 
-std::vector<std::vector<std::string>> parameter_rows(const Descriptor& d) {
-  std::vector<std::vector<std::string>> rows = {
-      {"name", "kind", "default", "range", "unit", "texture", "meaning"}};
-  for (const ParamInfo& p : d.params)
-    rows.push_back({p.name, kind_text(p), default_text(d, p), range_text(p), p.unit,
-                    p.textured ? "yes" : "", p.doc});
-  return rows;
-}
-
 std::string list_section(const char* title, const std::vector<std::string>& lines,
                          const char* bullet) {
   if (lines.empty())
@@ -285,6 +276,21 @@ Json material_json(const Descriptor& d) {
 
 } // namespace
 
+std::vector<std::vector<std::string>> parameter_table(const Descriptor& d) {
+  std::vector<std::vector<std::string>> rows = {
+      {"name", "kind", "default", "range", "unit", "texture", "meaning"}};
+  for (const ParamInfo& p : d.params)
+    rows.push_back({p.name, kind_text(p), default_text(d, p), range_text(p), p.unit,
+                    p.textured ? "yes" : "", p.doc});
+  return rows;
+}
+
+std::string lobes_summary(const Descriptor& d) {
+  if (!d.traits.lobes)
+    return {};
+  return lobes_text(d.traits) + (d.traits.reciprocal ? ", reciprocal" : ", not reciprocal");
+}
+
 std::string material_xml_snippet(const Descriptor& d) {
   std::string body;
   for (const ParamInfo& p : d.params) {
@@ -338,7 +344,7 @@ std::string list_materials_json(const Registry& registry) {
 std::string describe_material(const Descriptor& d) {
   std::string text = fmt::format("{}: {}\n\n  {}\n", d.name, d.title, indented(d.equation));
   if (!d.params.empty())
-    text += "\nParameters\n" + aligned(parameter_rows(d));
+    text += "\nParameters\n" + aligned(parameter_table(d));
   text += list_section("References", d.references, "  ");
   text += list_section("Notes", d.notes, "  ");
   text += list_section("Known exceptions", exceptions(d), "  ");
@@ -348,8 +354,7 @@ std::string describe_material(const Descriptor& d) {
   if (!sets.empty())
     text += "\nExamples\n" + aligned(sets);
   if (d.traits.lobes)
-    text += fmt::format("\nLobes\n  {}{}\n", lobes_text(d.traits),
-                        d.traits.reciprocal ? ", reciprocal" : ", not reciprocal");
+    text += fmt::format("\nLobes\n  {}\n", lobes_summary(d));
   return text + "\nIn a scene file\n" + material_xml_snippet(d);
 }
 
@@ -358,7 +363,7 @@ std::string describe_material_markdown(const Descriptor& d) {
   if (!d.params.empty()) {
     bool head = true;
     text += "\n";
-    for (const auto& row : parameter_rows(d)) {
+    for (const auto& row : parameter_table(d)) {
       for (size_t i = 0; i < row.size(); ++i)
         text += "| " + (i == 0 && !head ? "`" + row[i] + "`" : cell(row[i])) + " ";
       text += "|\n";

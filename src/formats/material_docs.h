@@ -37,6 +37,12 @@ std::string describe_material_markdown(const Descriptor& d);
 /// notes, exceptions, exemplars, traits, xml.
 std::string describe_material_json(const Descriptor& d);
 
+/// The parameters as a table of texts: a row of headings (name, kind, default, range, unit,
+/// texture, meaning), then a row each.
+std::vector<std::vector<std::string>> parameter_table(const Descriptor& d);
+/// "reflection, transmission, some delta, reciprocal"; empty for nodes whose bsdfs decide.
+std::string lobes_summary(const Descriptor& d);
+
 /// The model or node as a scene file writes it, with every parameter at its default. Where
 /// parameters exclude each other, the first way to give them stands there and the others in a
 /// comment.

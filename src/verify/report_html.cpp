@@ -37,17 +37,19 @@ std::string headline(const SuiteReport& report) {
                      count(Verdict::not_applicable));
 }
 
-std::string facts(const SuiteReport& report, const std::string& version) {
+std::string facts(const SuiteReport& report, const PageOptions& options) {
   std::string list = "<dl class=\"facts\">\n";
   auto add = [&](const char* name, const std::string& value) {
     list += element("dt", name) + element("dd", value) + "\n";
   };
-  add("version", "faceta " + version);
+  add("version", "faceta " + options.version);
   add("effort", report.effort == Effort::full ? "full" : "fast");
   add("seed", std::to_string(report.seed));
-  add("instruction set", kIsaNames[static_cast<int>(best_isa())]);
+  if (options.of_this_run)
+    add("instruction set", kIsaNames[static_cast<int>(best_isa())]);
   add("chance of a false alarm", false_alarm_text(report));
-  add("time", fmt::format("{:.1f} s", report.seconds));
+  if (options.of_this_run)
+    add("time", fmt::format("{:.1f} s", report.seconds));
   return list + "</dl>\n";
 }
 
@@ -94,10 +96,11 @@ std::string model_section(const SuiteReport& report, const ModelGroup& group,
 } // namespace
 
 std::string suite_html(const SuiteReport& report, const std::vector<SubjectPlots>& plots,
-                       const std::string& version) {
+                       const PageOptions& options) {
   std::vector<ModelGroup> groups = group_by_model(report);
   std::vector<std::string> ids = subject_ids(report);
-  std::string body = "<h1>Faceta: report card</h1>\n" + headline(report) + facts(report, version);
+  std::string body =
+      "<h1>Faceta: report card</h1>\n" + headline(report) + facts(report, options) + options.remark;
   body += "<h2>Models and properties</h2>\n" + model_matrix(report, groups, target_of) +
           matrix_legend() + remarks(report, ids);
   body += "<h2>How to read this</h2>\n<details>\n<summary>The properties</summary>\n"

@@ -136,7 +136,7 @@ std::string model_matrix(const SuiteReport& report, const std::vector<ModelGroup
 }
 
 std::string subject_matrix(const SuiteReport& report, const ModelGroup& group,
-                           const std::vector<std::string>& ids) {
+                           const std::vector<std::string>& ids, const std::string& page) {
   std::vector<std::string> names;
   for (const Property* p : report.properties)
     names.emplace_back(p->name);
@@ -144,9 +144,9 @@ std::string subject_matrix(const SuiteReport& report, const ModelGroup& group,
   for (size_t i : group.subjects) {
     const SubjectReport& s = report.subjects[i];
     std::string name = s.subject.exemplar.empty() ? s.subject.name : s.subject.exemplar;
-    table += "<tr><th scope=\"row\">" + html::link("#" + ids[i], name) + "</th>";
+    table += "<tr><th scope=\"row\">" + html::link(page + "#" + ids[i], name) + "</th>";
     for (const PropertyResult& r : s.results)
-      table += matrix_cell({r}, "#" + ids[i]);
+      table += matrix_cell({r}, page + "#" + ids[i]);
     table += "</tr>\n";
   }
   return html::scrolling(table + "</tbody></table>");

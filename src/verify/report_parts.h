@@ -29,9 +29,10 @@ std::vector<std::string> subject_ids(const SuiteReport& report);
 /// Models by properties; rows and cells lead where `target` says.
 std::string model_matrix(const SuiteReport& report, const std::vector<ModelGroup>& groups,
                          const std::function<std::string(const ModelGroup&)>& target);
-/// Subjects of a model by properties, leading to "#id".
+/// Subjects of a model by properties. `page` stands before "#id" in the links: empty within one
+/// page.
 std::string subject_matrix(const SuiteReport& report, const ModelGroup& group,
-                           const std::vector<std::string>& ids);
+                           const std::vector<std::string>& ids, const std::string& page = {});
 /// What the signs of a matrix mean.
 std::string matrix_legend();
 
