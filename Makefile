@@ -1,5 +1,5 @@
 # Thin fronts of the CMake presets; `make help` lists them. Variables: JOBS (all cores), PREFIX
-# (/usr/local), FUZZ_SECONDS (30).
+# (/usr/local), FUZZ_SECONDS (30), PEER (arguments of test-peer, --only MATERIAL say).
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
 # Prerequisites run in the order they are written; Ninja and ctest use the cores.
@@ -13,13 +13,14 @@ configure = build/$(1)/build.ninja
 compile = cmake --build --preset $(1) --parallel $(JOBS)
 ctest = ctest --preset $(1) --parallel $(JOBS)
 
-.PHONY: help setup build demo test checks bench format lint install dev asan tsan fuzz fuzz-setup \
-  clean
+.PHONY: help setup build demo test test-peer checks bench format lint install dev asan tsan fuzz \
+  fuzz-setup clean
 
 help:
 	@echo 'make            builds build/release/faceta'
 	@echo 'make demo       installs what is missing (apt), builds, renders the gallery'
 	@echo 'make test       installs what is missing (apt), builds, runs every test and check'
+	@echo 'make test-peer  compares every material with Mitsuba 3.9.1 (a wheel from PyPI)'
 	@echo 'make setup      only installs what is missing (apt; sudo when not root)'
 	@echo 'make bench      speed tables, and build/bench/*.json'
 	@echo 'make install    installs into PREFIX ($(PREFIX)); DESTDIR is honoured'
@@ -51,6 +52,9 @@ demo: setup build
 
 test: setup build checks
 	$(call ctest,release)
+
+test-peer: build
+	python3 -B tests/peer/materials.py build/release/faceta $(PEER)
 
 checks:
 	.ci/check-rooms --self-test
