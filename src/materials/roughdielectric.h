@@ -28,6 +28,8 @@ template <class T> struct RoughDielectric {
         .note("Radiance is scaled by (eta_o / eta_i)^2 when it is refracted; importance is not.")
         .note("With sample_visible=false all normals are sampled, of a surface that is rougher by "
               "1.2 - 0.2 sqrt|cos theta_o| (Walter et al. 2007, 5.3).")
+        .note("height_correlated takes 1 / (1 + Lambda_o + Lambda_i) for refraction too, where a "
+              "Smith surface has the smaller B(1 + Lambda_o, 1 + Lambda_i) (Heitz et al. 2016).")
         .ior("int_ior", &M::int_ior, "bk7", "index of refraction below the surface")
         .ior("ext_ior", &M::ext_ior, "air", "index of refraction above the surface")
         .choice("distribution", &M::distribution, {"beckmann", "ggx"}, "distribution of normals")
