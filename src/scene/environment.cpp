@@ -1,5 +1,6 @@
 #include "scene/environment.h"
 
+#include "base/half.h"
 #include "bsdf/kernel.h"
 #include "scene/affine.h"
 #include "scene/environment_leaves.h"
@@ -24,11 +25,29 @@ std::array<double, 3> texel(const Image& image, int x, int y) {
   return {p[0], p[1], p[2]};
 }
 
-double brightness(const EnvironmentCell& cell) {
+using Corners = std::array<std::array<double, 3>, 4>;
+
+double brightness(const Corners& corners) {
   double sum = 0;
-  for (const auto& t : cell.texel)
+  for (const auto& t : corners)
     sum += luminance({std::abs(t[0]), std::abs(t[1]), std::abs(t[2])});
   return 0.25 * sum;
+}
+
+/// Half floats over the power of two that brings the largest close below 2^15: 11 bits each, down
+/// to 2^-29 of the largest.
+EnvironmentCell pack_cell(const Corners& corners) {
+  double largest = 0;
+  for (const auto& t : corners)
+    for (double v : t)
+      largest = std::max(largest, std::abs(v));
+  EnvironmentCell cell{};
+  int exponent = largest > 0 ? std::max(std::ilogb(largest) - 14, -126) : 0;
+  cell.scale = std::ldexp(1.0f, exponent);
+  for (int k = 0; k < 4; ++k)
+    for (int c = 0; c < 3; ++c)
+      cell.texel[k][c] = half_bits(static_cast<float>(std::ldexp(corners[k][c], -exponent)));
+  return cell;
 }
 
 } // namespace
@@ -145,12 +164,12 @@ void EnvironmentTables::add_image(const Image& image) {
   for (int y = 0; y < rows; ++y) {
     double sine = std::sin(kPi * (y + 0.5) / rows);
     for (int x = 0; x < columns; ++x) {
-      EnvironmentCell& cell = cells_[size_t(y) * columns + x];
-      for (int k = 0; k < 4; ++k) {
-        auto rgb = texel(image, x + (k & 1), y + (k >> 1));
-        std::copy(rgb.begin(), rgb.end(), cell.texel[k]);
-      }
-      total += weights[size_t(y) * columns + x] = brightness(cell) * sine;
+      size_t i = size_t(y) * columns + x;
+      Corners corners;
+      for (int k = 0; k < 4; ++k)
+        corners[k] = texel(image, x + (k & 1), y + (k >> 1));
+      cells_[i] = pack_cell(corners);
+      total += weights[i] = brightness(corners) * sine;
     }
   }
   if (!(total > 0)) {

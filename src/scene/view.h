@@ -160,14 +160,14 @@ struct alignas(32) EnvironmentLeaf {
   int32_t reserved[2];
 };
 
-/// One cell of the environment with its four corner texels.
-struct alignas(64) EnvironmentCell {
-  float reserved[2];
-  float pdf; ///< density over the unit square of (u, v)
-  float reserved2;
-  float texel[4][3]; ///< (0,0), (1,0), (0,1), (1,1)
+/// One cell of the environment with its four corner texels: half floats over a common power of two.
+/// A cell is fetched from anywhere in the image, so its size is what a fetch costs.
+struct alignas(32) EnvironmentCell {
+  float pdf;            ///< density over the unit square of (u, v)
+  float scale;          ///< what the halves are to be multiplied with
+  uint16_t texel[4][3]; ///< RGB at (0,0), (1,0), (0,1), (1,1)
 };
-static_assert(sizeof(EnvironmentCell) == 64);
+static_assert(sizeof(EnvironmentCell) == 32);
 
 /// The light from infinity: a constant or an image in latitude and longitude.
 struct EnvironmentView {

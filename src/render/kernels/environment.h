@@ -27,16 +27,20 @@ namespace detail {
 template <class T>
 FACETA_INLINE EnvironmentLight<T> environment_cell(const EnvironmentView& e, const IntOf<T>& cell,
                                                    const T& fx, const T& fy, const T& sin_theta) {
-  alignas(64) int32_t rows[kWidthOf<T>];
-  store(rows, cell);
-  T w[16];
-  load_rows<T>(reinterpret_cast<const float*>(e.cells), 16, rows, w);
+  using I = IntOf<T>;
+  T w[8]; // density, scale, twelve halves
+  load_octets<T>(reinterpret_cast<const float*>(e.cells), cell, w);
+  // Half i as a float 2^112 times too small: the sign stays, exponent and mantissa move.
+  auto half = [&](int i) {
+    I word = as_integer(w[2 + i / 2]);
+    return bits_float(((i & 1 ? word : word << 16) >> 3) & I(static_cast<int32_t>(0x8fffe000)));
+  };
   EnvironmentLight<T> light;
   for (int c = 0; c < 3; ++c) {
-    T top = lerp(w[4 + c], w[7 + c], fx), bottom = lerp(w[10 + c], w[13 + c], fx);
-    light.radiance[c] = T(e.radiance[c]) * lerp(top, bottom, fy);
+    T top = lerp(half(c), half(3 + c), fx), bottom = lerp(half(6 + c), half(9 + c), fx);
+    light.radiance[c] = T(e.radiance[c]) * (lerp(top, bottom, fy) * T(0x1p112f) * w[1]);
   }
-  light.pdf = w[2] / max(sin_theta * T(2 * kPi * kPi), T(1e-12f));
+  light.pdf = w[0] / max(sin_theta * T(2 * kPi * kPi), T(1e-12f));
   return light;
 }
 
@@ -77,13 +81,10 @@ FACETA_INLINE IntOf<T> environment_leaf(const EnvironmentView& e, const Vec2<T>&
 template <class T> FACETA_INLINE Vec2<T>
 choose_environment_place(const EnvironmentView& e, const Vec2<T>& choice, const Vec2<T>& place) {
   using I = IntOf<T>;
-  const float* words = reinterpret_cast<const float*>(e.leaves);
-  I quad = environment_leaf(e, choice) << 1;
-  T a[4], b[4]; // threshold, origins, own size; the alias's size, ...
-  load_quads<T>(words, quad, a);
-  load_quads<T>(words + 4, quad, b);
-  auto keep = choice.y < a[0];
-  I origin = as_integer(select(keep, a[1], a[2])), size = as_integer(select(keep, a[3], b[0]));
+  T w[8];
+  load_octets<T>(reinterpret_cast<const float*>(e.leaves), environment_leaf(e, choice), w);
+  auto keep = choice.y < w[0];
+  I origin = as_integer(select(keep, w[1], w[2])), size = as_integer(select(keep, w[3], w[4]));
   auto low = [](const I& word) { return to_float(word & I(0xffff)); };
   auto high = [](const I& word) { return to_float((word >> 16) & I(0xffff)); };
   return {fma(low(size), place.x, low(origin)), fma(high(size), place.y, high(origin))};

@@ -32,7 +32,43 @@ FACETA_INLINE void load_quads(const float* base, const IntOf<T>& index, T (&out)
     out[k] = T(p[k]);
 }
 
+/// out[k] lane i = base[8 index[i] + k]: rows of 32 bytes, on 32-byte lines.
+template <class T>
+FACETA_INLINE void load_octets(const float* base, const IntOf<T>& index, T (&out)[8]) {
+  const float* p = base + 8 * int64_t(index);
+  for (int k = 0; k < 8; ++k)
+    out[k] = T(p[k]);
+}
+
 #if FACETA_LANE_WIDTH == 16
+template <>
+FACETA_INLINE void load_octets<Lanes>(const float* base, const LaneInt& index, Lanes (&out)[8]) {
+  alignas(64) int32_t at[16];
+  store(at, index);
+  auto row = [&](int i) { return _mm256_load_ps(base + 8 * int64_t(at[i])); };
+  // r[i]: rows i and 4 + i; r[4 + i]: rows 8 + i and 12 + i.
+  __m512 r[8], t[8];
+  for (int i = 0; i < 4; ++i) {
+    r[i] = _mm512_insertf32x8(_mm512_castps256_ps512(row(i)), row(4 + i), 1);
+    r[4 + i] = _mm512_insertf32x8(_mm512_castps256_ps512(row(8 + i)), row(12 + i), 1);
+  }
+  for (int i = 0; i < 4; ++i) {
+    t[2 * i] = _mm512_unpacklo_ps(r[2 * i], r[2 * i + 1]);
+    t[2 * i + 1] = _mm512_unpackhi_ps(r[2 * i], r[2 * i + 1]);
+  }
+  for (int i = 0; i < 2; ++i) {
+    __m512d a = _mm512_castps_pd(t[4 * i]), b = _mm512_castps_pd(t[4 * i + 1]);
+    __m512d c = _mm512_castps_pd(t[4 * i + 2]), d = _mm512_castps_pd(t[4 * i + 3]);
+    r[4 * i] = _mm512_castpd_ps(_mm512_unpacklo_pd(a, c));
+    r[4 * i + 1] = _mm512_castpd_ps(_mm512_unpackhi_pd(a, c));
+    r[4 * i + 2] = _mm512_castpd_ps(_mm512_unpacklo_pd(b, d));
+    r[4 * i + 3] = _mm512_castpd_ps(_mm512_unpackhi_pd(b, d));
+  }
+  for (int j = 0; j < 4; ++j) {
+    out[j].v.raw = _mm512_shuffle_f32x4(r[j], r[4 + j], 0x88);
+    out[4 + j].v.raw = _mm512_shuffle_f32x4(r[j], r[4 + j], 0xdd);
+  }
+}
 template <>
 FACETA_INLINE void load_quads<Lanes>(const float* base, const LaneInt& index, Lanes (&out)[4]) {
   alignas(64) int32_t at[16];
@@ -159,6 +195,17 @@ FACETA_INLINE void transpose8(__m256 (&r)[8]) {
 #endif
 
 #if FACETA_LANE_WIDTH == 8
+template <>
+FACETA_INLINE void load_octets<Lanes>(const float* base, const LaneInt& index, Lanes (&out)[8]) {
+  alignas(32) int32_t at[8];
+  store(at, index);
+  __m256 r[8];
+  for (int i = 0; i < 8; ++i)
+    r[i] = _mm256_load_ps(base + 8 * int64_t(at[i]));
+  transpose8(r);
+  for (int i = 0; i < 8; ++i)
+    out[i].v.raw = r[i];
+}
 template <>
 FACETA_INLINE void load_quads<Lanes>(const float* base, const LaneInt& index, Lanes (&out)[4]) {
   alignas(32) int32_t at[8];

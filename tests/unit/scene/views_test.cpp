@@ -1,4 +1,5 @@
 #include "base/error.h"
+#include "base/half.h"
 #include "image/io.h"
 #include "mitsuba_views.h"
 #include "scene/camera.h"
@@ -32,8 +33,9 @@ Double3 look_up(const EnvironmentView& e, const Double3& direction) {
   const EnvironmentCell& cell = e.cells[cy * e.columns + cx];
   Double3 r;
   for (int c = 0; c < 3; ++c) {
-    double top = std::lerp(cell.texel[0][c], cell.texel[1][c], x - cx);
-    double bottom = std::lerp(cell.texel[2][c], cell.texel[3][c], x - cx);
+    auto value = [&](int k) { return double(half_value(cell.texel[k][c])) * cell.scale; };
+    double top = std::lerp(value(0), value(1), x - cx);
+    double bottom = std::lerp(value(2), value(3), x - cx);
     r[c] = e.radiance[c] * std::lerp(top, bottom, y - cy);
   }
   return r;
@@ -46,6 +48,26 @@ EnvironmentDesc small_environment() {
   desc.radiance = {1.5, 1.5, 1.5};
   desc.image = std::make_shared<Image>(image);
   return desc;
+}
+
+TEST(Environment, KeepsElevenBitsOfAnyTexel) {
+  Image image(64, 33);
+  image.data.clear();
+  for (size_t i = 0; i < size_t(64) * 33 * 3; ++i) // from 1e-3 to 1e5, one channel beside the other
+    image.data.push_back(static_cast<float>(std::pow(10.0, std::fmod(double(i) * 0.7312, 8) - 3)));
+  EnvironmentDesc desc;
+  desc.image = std::make_shared<Image>(image);
+  EnvironmentTables tables(desc);
+  EnvironmentView e = tables.view();
+  for (int y = 0; y < e.rows; ++y)
+    for (int x = 0; x < e.columns; ++x)
+      for (int k = 0; k < 4; ++k)
+        for (int c = 0; c < 3; ++c) {
+          const EnvironmentCell& cell = e.cells[y * e.columns + x];
+          double kept = double(half_value(cell.texel[k][c])) * cell.scale;
+          double given = image.data[image.offset((x + (k & 1)) % 64, y + (k >> 1)) + c];
+          ASSERT_NEAR(kept, given, 0x1p-11 * given);
+        }
 }
 
 TEST(Environment, ShinesAsInMitsuba) {
