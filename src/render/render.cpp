@@ -82,29 +82,43 @@ struct Worker {
       size_t pixel = size_t(y) * film.width + x;
       double* sum = &film.sums[4 * pixel];
       double* square = &film.squares[3 * pixel];
+      double* xyz_square = film.xyz_squares.empty() ? nullptr : &film.xyz_squares[3 * pixel];
+      // Kept apart from the film while samples are added: writing to it waits for each.
+      PixelSums sums;
+      std::copy_n(sum, 4, sums.sum);
+      std::copy_n(square, 3, sums.square);
       for (int s = 0; s < chunk.samples; s += splits)
-        add_sample(rgba + 4 * (size_t(p) * chunk.samples + s), sum, square,
-                   film.xyz_squares.empty() ? nullptr : &film.xyz_squares[3 * pixel]);
+        add_sample(rgba + 4 * (size_t(p) * chunk.samples + s), sums, xyz_square);
+      std::copy_n(sums.sum, 4, sum);
+      std::copy_n(sums.square, 3, square);
     }
     pass.done_paths += chunk.paths();
   }
 
-  void add_sample(const float* rgba, double* sum, double* square, double* xyz_square) {
-    double c[4] = {0, 0, 0, 0};
-    for (int j = 0; j < splits; ++j)
-      for (int k = 0; k < 4; ++k)
-        c[k] += rgba[4 * j + k];
+  struct PixelSums {
+    double sum[4], square[3];
+  };
+
+  void add_sample(const float* rgba, PixelSums& sums, double* xyz_square) {
+    double c[4] = {rgba[0], rgba[1], rgba[2], rgba[3]};
+    if (splits > 1) {
+      for (int j = 1; j < splits; ++j)
+        for (int k = 0; k < 4; ++k)
+          c[k] += rgba[4 * j + k];
+      double share = 1.0 / splits;
+      for (double& v : c)
+        v *= share;
+    }
     if (!std::isfinite(c[0] + c[1] + c[2])) {
       ++non_finite;
       c[0] = c[1] = c[2] = 0;
     }
-    double share = 1.0 / splits;
     for (int k = 0; k < 4; ++k)
-      sum[k] += c[k] * share;
+      sums.sum[k] += c[k];
     for (int k = 0; k < 3; ++k)
-      square[k] += (c[k] * share) * (c[k] * share);
+      sums.square[k] += c[k] * c[k];
     if (xyz_square) {
-      std::array<double, 3> xyz = srgb_to_xyz({c[0] * share, c[1] * share, c[2] * share});
+      std::array<double, 3> xyz = srgb_to_xyz({c[0], c[1], c[2]});
       for (int k = 0; k < 3; ++k)
         xyz_square[k] += xyz[k] * xyz[k];
     }
