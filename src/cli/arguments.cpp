@@ -343,6 +343,31 @@ void add_verify(CLI::App& app, Action& action) {
   });
 }
 
+void add_efficiency(CLI::App& app, Action& action) {
+  auto options = std::make_shared<EfficiencyOptions>();
+  auto words = std::make_shared<std::vector<std::string>>();
+  CLI::App* sub = app.add_subcommand("efficiency", "How evenly the samples of materials weigh");
+  sub->footer("Without a target: every model with each of its parameter sets. A name alone: that\n"
+              "model so. A name with settings: only those parameters.");
+  sub->add_option("targets", *words, "materials, each perhaps with NAME=VALUE")
+      ->type_name("TARGET");
+  sub->add_option("--samples", options->samples, "for each viewer")
+      ->check(CLI::Range(2, 1 << 26))
+      ->capture_default_str()
+      ->type_name("N");
+  sub->add_option("--seed", options->seed, "number that all random numbers come from")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str()
+      ->type_name("N");
+  sub->add_option("--json", options->json,
+                  "write the results to a file; - prints them instead of the table")
+      ->type_name("FILE");
+  sub->callback([=, &action] {
+    options->targets = targets_of(*words);
+    action = [=] { return run_efficiency(*options); };
+  });
+}
+
 void add_docs(CLI::App& app, Action& action) {
   auto options = std::make_shared<DocsOptions>();
   CLI::App* sub =
@@ -377,6 +402,7 @@ Action parse_arguments(int argc, char** argv) {
   add_diff(app, action);
   add_info(app, action);
   add_verify(app, action);
+  add_efficiency(app, action);
   add_docs(app, action);
   try {
     app.parse(argc, argv);

@@ -73,6 +73,14 @@ struct VerifyOptions {
 };
 int run_verify(const VerifyOptions& options);
 
+struct EfficiencyOptions {
+  std::vector<VerifyTarget> targets; ///< no scenes; empty: every registered model
+  int samples = 1 << 17;
+  uint64_t seed = 0;
+  std::string json; ///< file, or - for the standard output; empty: none
+};
+int run_efficiency(const EfficiencyOptions& options);
+
 struct DocsOptions {
   std::string folder;
   bool check = false; ///< compare what is there instead of writing
