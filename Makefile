@@ -13,12 +13,13 @@ configure = build/$(1)/build.ninja
 compile = cmake --build --preset $(1) --parallel $(JOBS)
 ctest = ctest --preset $(1) --parallel $(JOBS)
 
-.PHONY: help setup build demo test test-peer checks bench format lint install dev asan tsan fuzz \
+.PHONY: help setup build demo docs test test-peer checks bench format lint install dev asan tsan fuzz \
   fuzz-setup clean
 
 help:
 	@echo 'make            builds build/release/faceta'
 	@echo 'make demo       installs what is missing (apt), builds, renders the gallery'
+	@echo 'make docs       writes docs/site: a page a material and the report card (minutes)'
 	@echo 'make test       installs what is missing (apt), builds, runs every test and check'
 	@echo 'make test-peer  compares every material with Mitsuba 3.9.1 (a wheel from PyPI)'
 	@echo 'make setup      only installs what is missing (apt; sudo when not root)'
@@ -49,6 +50,9 @@ build: $(call configure,release)
 
 demo: setup build
 	@.ci/gallery
+
+docs: build
+	build/release/faceta docs docs/site
 
 test: setup build checks
 	$(call ctest,release)

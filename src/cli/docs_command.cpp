@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kMostPictures = 3; ///< of a material
-constexpr int kPictureSize = 176, kPictureSamples = 64;
+constexpr int kPictureSize = 176;
 
 /// A picture to be made: of a cell of the gallery, or of a material that has none there.
 struct PictureWish {
@@ -115,7 +115,6 @@ void write_file(const fs::path& path, std::string_view bytes) {
 void write_pictures(const Site& site, const fs::path& folder, bool quiet) {
   RenderOptions options;
   options.size = {kPictureSize, kPictureSize};
-  options.spp = kPictureSamples;
   size_t done = 0;
   for (const PictureWish& wish : site.pictures) {
     Image picture = render_cell(site.gallery, wish.cell, *cell_material(wish.cell), options);

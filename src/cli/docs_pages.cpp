@@ -41,14 +41,18 @@ std::string parameters(const Descriptor& d) {
     return {};
   std::string table = "<h2>Parameters</h2>\n", body;
   bool head = true;
-  for (const auto& row : parameter_table(d)) {
+  // Where it is narrow, each row becomes a block with the headings in front of its cells.
+  const auto rows = parameter_table(d);
+  for (const auto& row : rows) {
     std::string cells;
     for (size_t i = 0; i < row.size(); ++i)
       cells += head     ? element("th", row[i])
                : i == 0 ? "<td>" + element("code", row[i]) + "</td>"
-                        : element("td", row[i]);
-    body +=
-        head ? "<table><thead><tr>" + cells + "</tr></thead><tbody>\n" : "<tr>" + cells + "</tr>\n";
+               : row[i].empty()
+                   ? "<td></td>"
+                   : fmt::format("<td data-label=\"{}\">{}</td>", rows[0][i], escape(row[i]));
+    body += head ? "<table class=\"stack\"><thead><tr>" + cells + "</tr></thead><tbody>\n"
+                 : "<tr>" + cells + "</tr>\n";
     head = false;
   }
   return table + html::scrolling(body + "</tbody></table>");
@@ -89,10 +93,10 @@ std::string parameter_sets(const Model& model) {
     for (const auto& [key, value] : e.settings)
       settings += element("code", key + "=" + value) + " ";
     rows += "<tr>" + element("td", e.name) + "<td class=\"settings\">" +
-            (settings.empty() ? "defaults" : settings) + "</td>" +
-            element("td", e.lossless ? "yes" : "") + "</tr>\n";
+            (settings.empty() ? "defaults" : settings) +
+            (e.lossless ? "<small>loses nothing</small>" : "") + "</td></tr>\n";
   }
-  text += html::scrolling("<table><thead><tr><th>name</th><th>settings</th><th>loses nothing</th>"
+  text += html::scrolling("<table><thead><tr><th>name</th><th>settings</th>"
                           "</tr></thead><tbody>\n" +
                           rows + "</tbody></table>");
   for (const SuiteSubject& s : exemplar_subjects(model))

@@ -67,6 +67,12 @@ img{max-width:100%;height:auto}
 table.matrix td,table.matrix th{padding:.22rem .1rem}
 table.matrix th:first-child{min-width:6.6rem;max-width:8.2rem;padding-right:.3rem}
 table{font-size:.86rem}}
+@media(max-width:700px){table.stack,.stack tbody{display:block}.stack thead{display:none}
+.stack tr{display:block;padding:.45rem 0;border-bottom:1px solid var(--line)}
+.stack td{display:inline-block;border:0;padding:0 .9rem 0 0}.stack td:empty{display:none}
+.stack td:first-child,.stack td[data-label=meaning]{display:block}.stack td:first-child code{font-weight:700}
+.stack td[data-label]:before{content:attr(data-label) " ";color:var(--muted)}
+.stack td[data-label=meaning]:before{content:none}}
 @media print{@page{margin:14mm}html{font-size:9.5pt}body{max-width:none;padding:0;font-size:1rem}
 button,.screen{display:none!important}a{color:inherit}.scroll{overflow:visible}
 section.model{break-before:page}h2,h3,summary{break-after:avoid}h2{border:0}
