@@ -167,9 +167,6 @@ void Wavefront::begin_group(const ClassView& c, int first, int n, Group& g) cons
   if (e.columns) {
     g.place = {gather<T>(places_, index), gather<T>(places_ + kPoolRows, index)};
     g.next_choice = environment_choice(stream_of(g.path), first_pair(g.path.depth + I(1)));
-    store(group, environment_leaf(e, g.next_choice));
-    for (int k = 0; k < W; ++k)
-      __builtin_prefetch(e.leaves + group[k]);
     store(group, environment_cell_at(e, g.place.x, g.place.y));
     for (int k = 0; k < W; ++k)
       __builtin_prefetch(e.cells + group[k]);
