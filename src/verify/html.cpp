@@ -36,7 +36,7 @@ th.n,td.n{text-align:right}td.n{font-variant-numeric:tabular-nums;white-space:no
 table.matrix td,table.matrix th{padding:.22rem .3rem;text-align:center}
 table.matrix th:first-child{text-align:left;position:sticky;left:0;background:var(--ground);
 min-width:7.5rem;max-width:13rem;font-weight:400}
-table.matrix thead th+th{writing-mode:vertical-rl;transform:rotate(180deg);text-align:left;
+table.matrix thead th+th{writing-mode:vertical-rl;transform:rotate(180deg);text-align:left;line-height:1.1;
 padding:.3rem .1rem;font-weight:400}
 table.matrix td a{display:block;color:inherit}
 dd{margin:0 0 .5rem}dl.facts{display:grid;grid-template-columns:max-content 1fr;gap:.15rem .9rem}
@@ -64,7 +64,7 @@ img{max-width:100%;height:auto}
 .cards a{display:block;color:inherit}
 .tables{display:flex;flex-wrap:wrap;gap:0 2.5rem;align-items:flex-start}.tables>*{min-width:0;max-width:100%}
 @media(max-width:480px){body{padding:.75rem .9rem}dl.facts{grid-template-columns:7rem 1fr}th,td{padding:.25rem .35rem}
-table.matrix td,table.matrix th{padding:.22rem .1rem}
+table.matrix td,table.matrix th{padding:.22rem .13rem}table.matrix thead th+th{padding:.3rem 0}
 table.matrix th:first-child{min-width:6.6rem;max-width:8.2rem;padding-right:.3rem}
 table{font-size:.86rem}}
 @media(max-width:700px){table.stack,.stack tbody{display:block}.stack thead{display:none}
