@@ -126,20 +126,25 @@ def run_all(options):
     return 0 if good else 1
 
 
+def run_inside(options, script, function):
+    """function(options), in the peer's interpreter."""
+    if not Path(options.program).is_file():
+        print(f"no program {options.program}", file=sys.stderr)
+        return 2
+    if os.environ.get("FACETA_PEER_INSIDE") == "1":
+        return function(options)
+    python = peer_python(options.environment)
+    os.environ["FACETA_PEER_INSIDE"] = "1"
+    return subprocess.run([python, "-B", script, *sys.argv[1:]], check=False).returncode
+
+
 def main():
     options = arguments()
     options.program = str(Path(options.program).resolve())
     if options.list_explained:
         print(compare.EXPLAINED)
         return 0
-    if not Path(options.program).is_file():
-        print(f"no program {options.program}", file=sys.stderr)
-        return 2
-    if os.environ.get("FACETA_PEER_INSIDE") == "1":
-        return run_all(options)
-    python = peer_python(options.environment)
-    os.environ["FACETA_PEER_INSIDE"] = "1"
-    return subprocess.run([python, "-B", __file__, *sys.argv[1:]], check=False).returncode
+    return run_inside(options, __file__, run_all)
 
 
 if __name__ == "__main__":
