@@ -198,14 +198,15 @@ template <class T> FACETA_INLINE T sphere_cone(const LightLanes<T>& l, const Vec
 }
 
 /// Rectangles that fill much of the view are sampled by solid angle, others by area: from afar both
-/// are alike, and the area costs a quarter.
+/// are alike, and the area costs a quarter. So are those that p lies on, or behind: no light comes.
 template <class T>
 FACETA_INLINE MaskOf<T> near_rectangle(const LightLanes<T>& l, const Vec3<T>& p) {
   T half = T(0.5f);
-  Vec3<T> to_center = fma(l.e1, half, fma(l.e2, half, l.p)) - p;
+  Vec3<T> from_center = p - fma(l.e1, half, fma(l.e2, half, l.p));
   T diagonal2 = fma(l.length1, l.length1, l.length2 * l.length2);
   auto rectangle = l.type == IntOf<T>(static_cast<int32_t>(LightType::rectangle));
-  return rectangle & (diagonal2 > T(2) * dot(to_center, to_center));
+  auto lit = dot(from_center, l.n) > T(2e-7f) * (l.length1 + l.length2);
+  return rectangle & lit & (diagonal2 > T(2) * dot(from_center, from_center));
 }
 
 /// The solid angle of a rectangle and what sampling it needs (Urena, Fajardo and King 2013).
