@@ -13,6 +13,7 @@
 /// and optionally
 ///   void prepare();                          per lane, after textures were applied; cheap
 ///   void prepare_once(PrepareOnce&);         T = double only: tables and means, once per material
+///   static constexpr std::array<int, choices> kUsualChoices[];  kernel_impl.h: faster samples
 ///   static const char* validate(const Model<double>&);  null, or what is wrong with the parameters
 ///
 /// Nothing throws, allocates or locks inside eval, sample and prepare. Branch on parameters

@@ -7,35 +7,53 @@
 
 namespace faceta {
 
-/// Unpolarised reflectance of a conductor with complex index eta + i k relative to the outside,
-/// from cos^2 of the angle of incidence. Born and Wolf, Principles of Optics, 14.2; F = (r_s + r_p)
-/// / 2 over a common denominator, so that one division and two roots a channel are left.
-template <class T>
-FACETA_INLINE T fresnel_conductor_squared(const T& cos2, const T& eta, const T& k) {
-  T sin2 = T(1) - cos2, eta2 = eta * eta, k2 = k * k;
-  T difference = eta2 - k2 - sin2;
-  T modulus = sqrt(fma(difference, difference, T(4) * eta2 * k2));
-  // Of a and b in a + i b = sqrt((eta + i k)^2 - sin^2) the larger one is free of cancellation, and
-  // their product is eta k. Where b is the larger one everything is scaled by b cos.
-  T root = sqrt(max(T(0.5) * (modulus + abs(difference)) * cos2, T(1e-36f)));
-  auto a_is_larger = difference >= T(0);
-  T scale = select(a_is_larger, T(1), root), a_cos = select(a_is_larger, root, eta * k * cos2);
-  T s_even = (modulus + cos2) * scale, s_odd = T(2) * a_cos;
-  // The tiny summand keeps 0/0 away where eta = k = 0 at normal incidence.
-  T p_even = fma(cos2, modulus, fma(sin2, sin2, T(1e-30f))) * scale, p_odd = s_odd * sin2;
-  return (s_even - s_odd) * p_even / ((s_even + s_odd) * (p_even + p_odd));
-}
-/// The same from the cosine, in [0, 1].
+/// What the reflectance of a conductor with complex index eta + i k relative to the outside needs
+/// of the index n: Re(n^2) - 1, Im(n^2)^2, and 4 eta k.
+template <class T> struct ConductorIndex {
+  T real_minus_1, imaginary2, product4;
+
+  ConductorIndex() = default;
+  FACETA_INLINE ConductorIndex(const T& eta, const T& k)
+      : real_minus_1(eta * eta - k * k - T(1)), imaginary2(sqr(T(2) * eta * k)),
+        product4(T(4) * eta * k) {}
+
+  /// Unpolarised reflectance from cos^2 of the angle of incidence. Born and Wolf, Principles of
+  /// Optics, 14.2; F = (r_s + r_p) / 2 over a common denominator, so that one division and two
+  /// roots are left.
+  FACETA_INLINE T reflectance(const T& cos2) const {
+    T sin2 = T(1) - cos2, difference = real_minus_1 + cos2;
+    T modulus = sqrt(fma(difference, difference, imaginary2));
+    // Of a and b in a + i b = sqrt((eta + i k)^2 - sin^2) the larger one is free of cancellation,
+    // and their product is eta k. Where b is the larger one everything is scaled by 2 b cos.
+    T root = sqrt(max((modulus + abs(difference)) * (T(2) * cos2), T(1e-36f)));
+    auto a_is_larger = difference >= T(0);
+    T scale = select(a_is_larger, T(1), root);
+    T s_even = (modulus + cos2) * scale, s_odd = select(a_is_larger, root, product4 * cos2);
+    // The tiny summand keeps 0/0 away where eta = k = 0 at normal incidence.
+    T p_even = fma(cos2, modulus, fma(sin2, sin2, T(1e-30f))) * scale, p_odd = s_odd * sin2;
+    return (s_even - s_odd) * p_even / ((s_even + s_odd) * (p_even + p_odd));
+  }
+};
+/// The indices of the channels.
+template <class T> struct ConductorIndices {
+  ConductorIndex<T> channel[3];
+
+  ConductorIndices() = default;
+  FACETA_INLINE ConductorIndices(const Color<T>& eta, const Color<T>& k)
+      : channel{{eta[0], k[0]}, {eta[1], k[1]}, {eta[2], k[2]}} {}
+  FACETA_INLINE Color<T> reflectance(const T& cos2) const {
+    return {channel[0].reflectance(cos2), channel[1].reflectance(cos2),
+            channel[2].reflectance(cos2)};
+  }
+};
+
+/// Unpolarised reflectance of a conductor from the cosine of the angle of incidence, in [0, 1].
 template <class T> FACETA_INLINE T fresnel_conductor(const T& cos_i, const T& eta, const T& k) {
-  return fresnel_conductor_squared(cos_i * cos_i, eta, k);
-}
-template <class T> FACETA_INLINE Color<T>
-fresnel_conductor_squared(const T& cos2, const Color<T>& eta, const Color<T>& k) {
-  return eta.map(k, [&](const T& e, const T& c) { return fresnel_conductor_squared(cos2, e, c); });
+  return ConductorIndex<T>(eta, k).reflectance(cos_i * cos_i);
 }
 template <class T>
 FACETA_INLINE Color<T> fresnel_conductor(const T& cos_i, const Color<T>& eta, const Color<T>& k) {
-  return fresnel_conductor_squared(cos_i * cos_i, eta, k);
+  return ConductorIndices<T>(eta, k).reflectance(cos_i * cos_i);
 }
 
 /// Mean of a conductor's reflectance over the hemisphere, weighted by the cosine, to 6e-4: Gauss

@@ -5,10 +5,24 @@
 
 #include "bsdf/model.h"
 
+#include <algorithm>
+#include <iterator>
+
 namespace faceta {
 
 // A model travels in registers only if everything is inlined into the loop, describe() included.
 #define FACETA_FLATTEN __attribute__((flatten))
+
+/// How many rows `static constexpr std::array<int, choices> kUsualChoices[]` a model has: choices
+/// and flags, in the order of describe(), for which samples are drawn by code of their own. Such a
+/// model has sample() in two steps: sample_direction(wo, random, context) and weigh(wo, what that
+/// returned, context).
+template <class M> constexpr int usual_choices() {
+  if constexpr (requires { M::kUsualChoices; })
+    return static_cast<int>(std::size(M::kUsualChoices));
+  else
+    return 0;
+}
 
 template <template <class> class Model> struct KernelOf {
   using T = Lanes;
@@ -31,10 +45,10 @@ template <template <class> class Model> struct KernelOf {
       store(e.value[k] + i, r.value[k]);
     store(e.pdf + i, r.pdf);
   }
-  static FACETA_INLINE void sample_at(const Model<T>& m, const MaterialArgs& a,
-                                      const SampleArrays& s, int i) {
-    Random<T> random{{load<T>(s.u[0] + i), load<T>(s.u[1] + i)}, load<T>(s.uc + i)};
-    Sample<T> r = m.sample(load3(s.wo, i), random, context(a, s.uv, i));
+  static FACETA_INLINE Random<T> random_at(const SampleArrays& s, int i) {
+    return {{load<T>(s.u[0] + i), load<T>(s.u[1] + i)}, load<T>(s.uc + i)};
+  }
+  static FACETA_INLINE void store_sample(const Sample<T>& r, const SampleArrays& s, int i) {
     store(s.wi[0] + i, r.wi.x);
     store(s.wi[1] + i, r.wi.y);
     store(s.wi[2] + i, r.wi.z);
@@ -48,22 +62,67 @@ template <template <class> class Model> struct KernelOf {
     I flags = r.lobe | select(r.delta, I(kDeltaFlag), I(0)) | I(kValidFlag);
     store(s.flags + i, select(r.valid, flags, I(0)));
   }
+  static FACETA_INLINE void sample_at(const Model<T>& m, const MaterialArgs& a,
+                                      const SampleArrays& s, int i) {
+    store_sample(m.sample(load3(s.wo, i), random_at(s, i), context(a, s.uv, i)), s, i);
+  }
+  /// sample() in its two steps, the next group's first before this one's second: two chains of
+  /// dependences side by side.
+  static FACETA_INLINE void sample_overlapped(const Model<T>& m, const MaterialArgs& a,
+                                              const SampleArrays& s, int n) {
+    auto direction_at = [&](int i) FACETA_INLINE_LAMBDA {
+      return m.sample_direction(load3(s.wo, i), random_at(s, i), context(a, s.uv, i));
+    };
+    auto next = direction_at(0);
+    for (int i = 0; i < n; i += kWidthOf<T>) {
+      auto direction = next;
+      next = direction_at(i + kWidthOf<T> < n ? i + kWidthOf<T> : i);
+      store_sample(m.weigh(load3(s.wo, i), direction, context(a, s.uv, i)), s, i);
+    }
+  }
+
+  static FACETA_INLINE bool shared(const MaterialArgs& a) { return !a.rows && !a.textured; }
+  /// Calls do_group(model, first lane) for each group of lanes; a model that all groups share is
+  /// read once.
+  template <class F>
+  static FACETA_INLINE void for_groups(const MaterialArgs& a, int n, F do_group) {
+    if (n <= 0)
+      return;
+    Model<T> m = load_model<Model, T>(a, a.choices, 0);
+    for (int i = 0; i < n; i += kWidthOf<T>) {
+      if (i > 0 && !shared(a))
+        m = load_model<Model, T>(a, a.choices, i);
+      do_group(m, i);
+    }
+  }
 
   static FACETA_FLATTEN void eval(const MaterialArgs& a, const EvalArrays& e, int n) {
-    for (int i = 0; i < n; i += kWidthOf<T>)
-      eval_at(load_model<Model, T>(a, i), a, e, i);
+    for_groups(a, n, [&](const Model<T>& m, int i) { eval_at(m, a, e, i); });
+  }
+  /// Overlapped, and without a branch on choices, where they are one of the model's kUsualChoices.
+  template <int K = 0>
+  static FACETA_INLINE bool sample_usual(const MaterialArgs& a, const SampleArrays& s, int n) {
+    if constexpr (K < usual_choices<Model<T>>()) {
+      constexpr auto& usual = Model<T>::kUsualChoices[K];
+      if (!std::equal(usual.begin(), usual.end(), a.choices))
+        return sample_usual<K + 1>(a, s, n);
+      sample_overlapped(load_model<Model, T>(a, usual, 0), a, s, n);
+      return true;
+    } else {
+      return false;
+    }
   }
   static FACETA_FLATTEN void sample(const MaterialArgs& a, const SampleArrays& s, int n) {
-    for (int i = 0; i < n; i += kWidthOf<T>)
-      sample_at(load_model<Model, T>(a, i), a, s, i);
+    if (shared(a) && n > kWidthOf<T> && sample_usual(a, s, n))
+      return;
+    for_groups(a, n, [&](const Model<T>& m, int i) { sample_at(m, a, s, i); });
   }
   static FACETA_FLATTEN void eval_sample(const MaterialArgs& a, const EvalArrays& e,
                                          const SampleArrays& s, int n) {
-    for (int i = 0; i < n; i += kWidthOf<T>) {
-      Model<T> m = load_model<Model, T>(a, i);
+    for_groups(a, n, [&](const Model<T>& m, int i) {
       eval_at(m, a, e, i);
       sample_at(m, a, s, i);
-    }
+    });
   }
 };
 

@@ -58,17 +58,19 @@ template <class D, class M, class T> struct FieldVisitor : DescribeIgnoringTexts
 
 /// Fills a model from MaterialArgs: from the common record, gathered from several, or from
 /// textures.
-template <class M, class T> struct RecordLoader : FieldVisitor<RecordLoader<M, T>, M, T> {
+template <class M, class T, class Choices> struct RecordLoader
+    : FieldVisitor<RecordLoader<M, T, Choices>, M, T> {
   const MaterialArgs& args;
+  Choices choices;
   IntOf<T> offset; ///< rows * stride
   bool common;     ///< all lanes use the record at args.records + first
   int32_t first;
   int position; ///< index of the first lane in the lane arrays
   int slot = 0, choice_index = 0;
 
-  FACETA_INLINE RecordLoader(M& m, const MaterialArgs& a, int lane_position)
-      : FieldVisitor<RecordLoader, M, T>(m), args(a), offset(0), common(a.rows == nullptr),
-        first(0), position(lane_position) {
+  FACETA_INLINE RecordLoader(M& m, const MaterialArgs& a, Choices c, int lane_position)
+      : FieldVisitor<RecordLoader, M, T>(m), args(a), choices(c), offset(0),
+        common(a.rows == nullptr), first(0), position(lane_position) {
     if (!common) {
       IntOf<T> rows = load_int<T>(a.rows + lane_position);
       offset = rows * IntOf<T>(a.stride);
@@ -85,7 +87,7 @@ template <class M, class T> struct RecordLoader : FieldVisitor<RecordLoader<M, T
     else
       field = gather<T>(args.records + k, offset);
   }
-  FACETA_INLINE void choice_at(int& field) { field = args.choices[choice_index++]; }
+  FACETA_INLINE void choice_at(int& field) { field = choices[choice_index++]; }
   FACETA_INLINE void table_at(Table<T>& field) {
     int k = slot++;
     field.base = args.tables;
@@ -115,11 +117,11 @@ template <class M, class T> struct FieldPointers : FieldVisitor<FieldPointers<M,
   void table_at(Table<T>&) { fields.push_back(nullptr); }
 };
 
-/// Loads a model and runs its prepare().
-template <template <class> class Model, class T>
-FACETA_INLINE Model<T> load_model(const MaterialArgs& args, int position) {
+/// Loads a model and runs its prepare(). choices[k] is choice or flag number k.
+template <template <class> class Model, class T, class Choices>
+FACETA_INLINE Model<T> load_model(const MaterialArgs& args, const Choices& choices, int position) {
   Model<T> m;
-  RecordLoader<Model<T>, T> loader(m, args, position);
+  RecordLoader<Model<T>, T, Choices> loader(m, args, choices, position);
   Model<T>::describe(loader);
   if constexpr (requires { m.prepare(); })
     m.prepare();

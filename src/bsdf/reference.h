@@ -71,18 +71,19 @@ private:
     return c;
   }
   static Eval<double> eval(const Record& record, const ReferenceQuery& q) {
-    return load_model<M, double>(record.args(), 0).eval(q.wo, q.wi, context<double>(q));
+    return load_model<M, double>(record.args(), record.args().choices, 0)
+        .eval(q.wo, q.wi, context<double>(q));
   }
   static Sample<double> sample(const Record& record, const Vec3<double>& wo,
                                const Random<double>& random, TransportMode mode, Vec2<double> uv) {
     Context<double> c{mode, uv};
-    return load_model<M, double>(record.args(), 0).sample(wo, random, c);
+    return load_model<M, double>(record.args(), record.args().choices, 0).sample(wo, random, c);
   }
   template <class T> static M<T> load_with(const Record& record, const std::vector<double>& slots,
                                            const std::vector<int>& active) {
     M<T> m;
     MaterialArgs args = record.args();
-    RecordLoader<M<T>, T> loader(m, args, 0);
+    RecordLoader<M<T>, T, const int32_t*> loader(m, args, args.choices, 0);
     M<T>::describe(loader);
     FieldPointers<M<T>, T> pointers(m);
     M<T>::describe(pointers);

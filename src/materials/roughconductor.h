@@ -6,6 +6,8 @@
 #include "bsdf/microfacet.h"
 #include "sampling/warp.h"
 
+#include <array>
+
 namespace faceta {
 
 /// Rough metal: microfacets that reflect like a smooth metal.
@@ -14,6 +16,9 @@ template <class T> struct RoughConductor {
   int distribution = kBeckmann;
   T alpha_u = T(0.1), alpha_v = T(0.1);
   int sample_visible = 1, energy_compensation = 0, height_correlated = 0, bounded_sampling = 1;
+
+  static constexpr std::array<int, 5> kUsualChoices[] = {{kBeckmann, 1, 0, 0, 1},
+                                                         {kGgx, 1, 0, 0, 1}};
 
   template <class D> static FACETA_INLINE void describe(D& d) {
     using M = RoughConductor;
@@ -77,13 +82,18 @@ template <class T> struct RoughConductor {
     requires std::is_same_v<T, double>
   {
     if (energy_compensation)
-      energy_ = context.add_table(make_energy_table(surface().options, alpha_u, alpha_v));
+      energy_ = context.add_table(make_energy_table(options(), alpha_u, alpha_v));
+  }
+
+  FACETA_INLINE void prepare() {
+    surface_ = {options(), alpha_u, alpha_v};
+    indices_ = {eta, k};
   }
 
   FACETA_INLINE Eval<T> eval(const Vec3<T>& wo, const Vec3<T>& wi, const Context<T>&) const {
-    MicrofacetReflection<T> r = surface().reflection(wo, wi);
+    MicrofacetReflection<T> r = surface_.reflection(wo, wi);
     Eval<T> e;
-    e.value = specular_reflectance * fresnel_conductor_squared(r.cos2_h, eta, k) * r.value;
+    e.value = specular_reflectance * indices_.reflectance(r.cos2_h) * r.value;
     e.pdf = r.pdf;
     if (energy_compensation)
       add_multiple_scattering(e, wo, wi);
@@ -92,24 +102,43 @@ template <class T> struct RoughConductor {
 
   FACETA_INLINE Sample<T> sample(const Vec3<T>& wo, const Random<T>& random,
                                  const Context<T>& context) const {
+    return weigh(wo, sample_direction(wo, random, context), context);
+  }
+  FACETA_INLINE ReflectedDirection<T> sample_direction(const Vec3<T>& wo, const Random<T>& random,
+                                                       const Context<T>&) const {
+    if (!energy_compensation)
+      return surface_.sample_direction(wo, random.u, random.uc);
+    ReflectedDirection<T> d;
+    d.wi = select(random.uc < lookup().lost(wo), cosine_hemisphere(random.u),
+                  surface_.sample_reflection(wo, random.u));
+    return d;
+  }
+  FACETA_INLINE Sample<T> weigh(const Vec3<T>& wo, const ReflectedDirection<T>& d,
+                                const Context<T>& context) const {
     Sample<T> s;
-    if (energy_compensation) {
-      s.wi = select(random.uc < lookup().lost(wo), cosine_hemisphere(random.u),
-                    surface().sample_reflection(wo, random.u));
-    } else {
-      s.wi = surface().sample_reflection(wo, random.u, random.uc);
-    }
+    s.wi = d.wi;
     s.lobe = kReflection;
     s.valid = (wo.z > T(0)) & (s.wi.z > T(0));
-    finish_sample(s, eval(wo, s.wi, context));
+    if (energy_compensation) {
+      finish_sample(s, eval(wo, s.wi, context));
+      return s;
+    }
+    WeighedReflection<T> r = surface_.weigh(wo, d);
+    s.valid = s.valid & (r.pdf > T(1.2e-38));
+    s.pdf = select(s.valid, r.pdf, T(0));
+    s.weight =
+        specular_reflectance * indices_.reflectance(r.cos2_h) * select(s.valid, r.weight, T(0));
+    s.value = s.weight * s.pdf;
     return s;
   }
 
 private:
   Table<T> energy_;
+  Microfacet<T> surface_;
+  ConductorIndices<T> indices_;
 
-  FACETA_INLINE Microfacet<T> surface() const {
-    return {{distribution, sample_visible, height_correlated, bounded_sampling}, alpha_u, alpha_v};
+  FACETA_INLINE MicrofacetOptions options() const {
+    return {distribution, sample_visible, height_correlated, bounded_sampling};
   }
   FACETA_INLINE EnergyLookup<T> lookup() const { return {energy_, alpha_u, alpha_v}; }
 

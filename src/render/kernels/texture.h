@@ -30,8 +30,7 @@ template <class T> FACETA_INLINE T decode_srgb(const IntOf<T>& byte) {
 template <> FACETA_INLINE Lanes decode_srgb<Lanes>(const LaneInt& byte) {
   __m512 part[8];
   for (int k = 0; k < 8; ++k)
-    part[k] = _mm512_permutex2var_ps(_mm512_load_ps(kSrgbTable.value + 32 * k), byte.v.raw,
-                                     _mm512_load_ps(kSrgbTable.value + 32 * k + 16));
+    part[k] = entry32<Lanes>(kSrgbTable.value + 32 * k, byte).v.raw;
   for (int bit = 5; bit < 8; ++bit) {
     __mmask16 set = _mm512_test_epi32_mask(byte.v.raw, _mm512_set1_epi32(1 << bit));
     for (int k = 0; k < 128 >> bit; ++k)

@@ -134,7 +134,7 @@ template <class T> std::vector<Vec2<double>> visible_slopes(double a, int count,
     // 24 bits, below 1 in float as well.
     T u = T(std::floor(uniform(engine) * 0x1p24) * 0x1p-24);
     T v = T(std::floor(uniform(engine) * 0x1p24) * 0x1p-24);
-    BeckmannSlopes<T> magnitude(T(a * r), T(r), u);
+    BeckmannSlopes<T> magnitude(T(a * r), T(r * r), u);
     Vec2<T> s = three ? magnitude.draw(v, T(std::floor(uniform(engine) * 0x1p24) * 0x1p-24))
                       : magnitude.draw(v);
     slopes.push_back({double(s.x), double(s.y)});
