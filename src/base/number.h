@@ -160,6 +160,7 @@ FACETA_INLINE float to_float(int32_t a) {
 template <class T> struct Memory {
   static T load(const float* p) { return T(*p); }
   static T gather(const float* base, int32_t index) { return T(base[index]); }
+  static T entry16(const float* table, int32_t index) { return T(table[index & 15]); }
   static T entry32(const float* table, int32_t index) { return T(table[index & 31]); }
   static int32_t load_int(const int32_t* p) { return *p; }
   static int32_t gather_int(const int32_t* base, int32_t index) { return base[index]; }
@@ -169,6 +170,10 @@ template <class T> FACETA_INLINE T load(const float* p) {
 }
 template <class T> FACETA_INLINE T gather(const float* base, IntOf<T> index) {
   return Memory<T>::gather(base, index);
+}
+/// table[index mod 16].
+template <class T> FACETA_INLINE T entry16(const float* table, IntOf<T> index) {
+  return Memory<T>::entry16(table, index);
 }
 /// table[index mod 32].
 template <class T> FACETA_INLINE T entry32(const float* table, IntOf<T> index) {
