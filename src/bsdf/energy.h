@@ -15,7 +15,7 @@ double microfacet_albedo(const MicrofacetOptions& options, double alpha_u, doubl
                          const Vec3<double>& wo, int n = 64);
 
 /// The table that EnergyLookup reads: 1 - albedo over inclination, azimuth and roughness (at the
-/// ratio alpha_u / alpha_v given), with nodes at the roughness given. About 20 ms, 100 ms for
+/// ratio alpha_u / alpha_v given), with nodes at the roughness given. About 30 ms, 160 ms for
 /// anisotropic surfaces.
 std::vector<double> make_energy_table(const MicrofacetOptions& options, double alpha_u,
                                       double alpha_v);
@@ -23,7 +23,7 @@ std::vector<double> make_energy_table(const MicrofacetOptions& options, double a
 /// The layout of the table, shared by its maker and its reader: 1 - albedo over roughness, azimuth
 /// and inclination; then the mean over the hemisphere for each roughness.
 struct EnergyTableLayout {
-  static constexpr int kInclinations = 40, kAzimuths = 9;
+  static constexpr int kInclinations = 64, kAzimuths = 9;
   /// Steps of roughness up to the material's own, and beyond.
   static constexpr int kBelow = 4, kAbove = 4;
   static constexpr int kRoughnesses = kBelow + kAbove + 1;

@@ -22,6 +22,7 @@ template <template <class> class M> struct ReferenceOf {
     model.sample = sample;
     model.eval_at = eval_at;
     model.eval_jet = eval_jet;
+    model.eval_wide = eval_wide;
     return model;
   }
 
@@ -59,6 +60,26 @@ private:
       ++next;
     }
     void table_at(Table<double>&) {}
+  };
+
+  using W = Jet<double, 0>;
+  /// Loads a record whose colours have three channels into more: the three again and again.
+  struct WideLoader : FieldVisitor<WideLoader, M<W>, W> {
+    const Record& record;
+    size_t next_slot = 0, next_choice = 0;
+    WideLoader(M<W>& m, const Record& r) : FieldVisitor<WideLoader, M<W>, W>(m), record(r) {}
+    void number_at(W& field) { field = W(double(record.slots[next_slot++])); }
+    WideLoader& color_field(Color<W> M<W>::* f) {
+      for (int i = 0; i < Color<W>::size(); ++i)
+        (this->m.*f)[i] = W(double(record.slots[next_slot + size_t(i % 3)]));
+      next_slot += 3;
+      return *this;
+    }
+    void choice_at(int& field) { field = record.choices[next_choice++]; }
+    void table_at(Table<W>& field) {
+      field.base = record.tables.data();
+      field.offset = static_cast<int32_t>(record.slots[next_slot++]);
+    }
   };
 
   template <class T> static Vec3<T> convert(const Vec3<double>& v) {
@@ -111,6 +132,19 @@ private:
       for (int k = 0; k < 8; ++k)
         r.derivative[i][k] = j.v[k];
     }
+    return r;
+  }
+  static ReferenceWide eval_wide(const Record& record, const ReferenceQuery& q) {
+    M<W> m;
+    WideLoader loader(m, record);
+    M<W>::describe(loader);
+    if constexpr (requires { m.prepare(); })
+      m.prepare();
+    Eval<W> e = m.eval(convert<W>(q.wo), convert<W>(q.wi), context<W>(q));
+    ReferenceWide r{};
+    for (int i = 0; i < Color<W>::size(); ++i)
+      r.value[i] = e.value[i].a;
+    r.pdf = e.pdf.a;
     return r;
   }
 };

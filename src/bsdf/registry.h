@@ -49,6 +49,12 @@ struct ReferenceJet {
   double derivative[4][8];
 };
 
+/// Value and density over colours of six channels.
+struct ReferenceWide {
+  double value[6];
+  double pdf;
+};
+
 struct Model {
   Descriptor descriptor;
   /// Record from the values of all declared slots (doubles, derived slots ignored) and choices:
@@ -62,6 +68,9 @@ struct Model {
   /// Derivatives with respect to the slots listed in `active` (at most 8; table slots not allowed).
   ReferenceJet (*eval_jet)(const Record&, const std::vector<double>& slots,
                            const std::vector<int>& active, const ReferenceQuery&);
+  /// eval with colours of six channels, which hold the record's three twice: how the model fares
+  /// with another width.
+  ReferenceWide (*eval_wide)(const Record&, const ReferenceQuery&);
   std::array<const MaterialKernel*, kIsaCount> kernels{}; ///< null where the CPU cannot run it
 
   const std::string& name() const { return descriptor.name; }

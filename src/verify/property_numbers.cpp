@@ -209,6 +209,33 @@ Outcome check_precision(const Subject& subject, Effort effort, double) {
   return outcome;
 }
 
+Outcome check_channels(const Subject& subject, Effort effort, double) {
+  Outcome outcome;
+  if (subject.traits().delta) {
+    outcome.applicable = false;
+    outcome.message = "every lobe is a delta, whose value is 0";
+    return outcome;
+  }
+  int n = effort == Effort::quick ? 2048 : 16384;
+  EvalBatch pairs = pairs_of(subject, n, 95);
+  for (int i = 0; i < n; ++i) {
+    ReferenceQuery query{to_double(pairs.viewer(i)), to_double(pairs.light(i))};
+    Eval<double> three = subject.model->eval(subject.record, query);
+    ReferenceWide wide = subject.model->eval_wide(subject.record, query);
+    for (int k = 0; k < 7; ++k) {
+      double a = k < 6 ? wide.value[k] : wide.pdf, b = k < 6 ? three.value[k % 3] : three.pdf;
+      double error = std::abs(a - b) / std::max(std::abs(b), 1e-20);
+      outcome.figure = std::max(outcome.figure, error);
+      if (!(error <= 1e-9))
+        outcome.fail(fmt::format("wo = {}, wi = {}: {} is {:.12g} with three channels, {:.12g} "
+                                 "with six",
+                                 to_text(pairs.viewer(i)), to_text(pairs.light(i)),
+                                 k < 6 ? "value" : "density", b, a));
+    }
+  }
+  return outcome;
+}
+
 namespace {
 
 // A central difference with what is known of its error.
