@@ -8,6 +8,7 @@
 
 #include "bsdf/bsdf.h"
 
+#include <algorithm>
 #include <limits>
 #include <string>
 #include <utility>
@@ -40,6 +41,11 @@ template <class T> struct Table {
 /// What prepare_once() may use and make.
 struct PrepareOnce {
   std::vector<float>& arena;
+  std::vector<std::string> textured{}; ///< parameters that textures give, of which these are means
+
+  bool has_texture(const std::string& parameter) const {
+    return std::find(textured.begin(), textured.end(), parameter) != textured.end();
+  }
 
   /// Appends a table to the arena.
   Table<double> add_table(const std::vector<double>& values) {

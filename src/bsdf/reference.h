@@ -27,7 +27,8 @@ template <template <class> class M> struct ReferenceOf {
   }
 
 private:
-  static Record make_record(const std::vector<double>& slots, const std::vector<int32_t>& choices) {
+  static Record make_record(const std::vector<double>& slots, const std::vector<int32_t>& choices,
+                            const std::vector<std::string>& textured) {
     M<double> m;
     FieldPointers<M<double>, double> pointers(m);
     M<double>::describe(pointers);
@@ -41,7 +42,7 @@ private:
         throw Error(problem);
     Record record;
     if constexpr (requires(PrepareOnce& p) { m.prepare_once(p); }) {
-      PrepareOnce context{record.tables};
+      PrepareOnce context{record.tables, textured};
       m.prepare_once(context);
     }
     RecordWriter<M<double>> writer(m, record.slots, record.choices);

@@ -57,9 +57,10 @@ struct ReferenceWide {
 
 struct Model {
   Descriptor descriptor;
-  /// Record from the values of all declared slots (doubles, derived slots ignored) and choices:
-  /// runs prepare_once.
-  Record (*make_record)(const std::vector<double>& slots, const std::vector<int32_t>& choices);
+  /// Record from the values of all declared slots (doubles, derived slots ignored) and choices, and
+  /// the names of the parameters that textures give: runs prepare_once.
+  Record (*make_record)(const std::vector<double>& slots, const std::vector<int32_t>& choices,
+                        const std::vector<std::string>& textured);
   Eval<double> (*eval)(const Record&, const ReferenceQuery&);
   Sample<double> (*sample)(const Record&, const Vec3<double>& wo, const Random<double>&,
                            TransportMode, Vec2<double> uv);
@@ -137,7 +138,7 @@ public:
   std::string given_name(const std::string& param) const;
   /// The value as text that set() reads back to the same numbers.
   std::string text(const std::string& param) const;
-  Record record() const { return model_->make_record(slots_, choices_); }
+  Record record() const { return model_->make_record(slots_, choices_, textured_); }
 
 private:
   const ParamInfo& info(const std::string& name, const SourcePosition& where) const;
@@ -148,6 +149,7 @@ private:
   const Model* model_;
   std::vector<double> slots_;
   std::vector<int32_t> choices_;
+  std::vector<std::string> textured_;
   std::map<std::string, std::string> set_; ///< parameters given, with the name they were given by
 };
 

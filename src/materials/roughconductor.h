@@ -33,9 +33,6 @@ template <class T> struct RoughConductor {
                    "(energy_compensation)")
         .note("Light scattered more than once between facets is lost unless energy_compensation "
               "is set: at alpha = 1 a white GGX metal reflects 31 % at normal incidence.")
-        .note(
-            "The compensation's table follows textured roughness at the ratio alpha_u / alpha_v of "
-            "the means; where textures change that ratio, it is approximate.")
         .note("Beckmann's masking is Walter's rational fit (0.35 %) as in the scene contract; the "
               "density of visible normals and height_correlated use the exact one.")
         .spectrum("eta", &M::eta, {0, 5}, "real part of the index of refraction")
@@ -55,11 +52,17 @@ template <class T> struct RoughConductor {
         .table(&M::energy_)
         .traits({.lobes = kReflection})
         .limit({{"alpha", "0"}}, "conductor", {}, 1e-3)
+        .known_albedo({{"distribution", "ggx"}, {"alpha", "0.1"}}, 0.988, 0.969, 0.873, 1e-3,
+                      kTable)
         .known_albedo({{"distribution", "ggx"}, {"alpha", "0.3"}}, 0.877, 0.818, 0.842, 1e-3,
                       kTable)
         .known_albedo({{"distribution", "ggx"}, {"alpha", "0.5"}}, 0.688, 0.686, 0.772, 1e-3,
                       kTable)
         .known_albedo({{"distribution", "ggx"}, {"alpha", "1"}}, 0.307, 0.409, 0.558, 1e-3, kTable)
+        .known_albedo({{"distribution", "ggx"}, {"alpha", "0.1"}, {"height_correlated", "true"}},
+                      0.988, 0.969, 0.884, 1e-3, kTable)
+        .known_albedo({{"distribution", "ggx"}, {"alpha", "0.3"}, {"height_correlated", "true"}},
+                      0.877, 0.822, 0.889, 1e-3, kTable)
         .known_albedo({{"distribution", "ggx"}, {"alpha", "0.5"}, {"height_correlated", "true"}},
                       0.688, 0.698, 0.86, 1e-3, kTable)
         .known_albedo({{"distribution", "ggx"}, {"alpha", "1"}, {"height_correlated", "true"}},
@@ -98,8 +101,11 @@ template <class T> struct RoughConductor {
   void prepare_once(PrepareOnce& context)
     requires std::is_same_v<T, double>
   {
-    if (energy_compensation)
-      energy_ = context.add_table(make_energy_table(surface().options, alpha_u, alpha_v));
+    if (!energy_compensation)
+      return;
+    bool ratios = context.has_texture("alpha_u") || context.has_texture("alpha_v");
+    auto make = ratios ? make_energy_table_of_ratios : make_energy_table;
+    energy_ = context.add_table(make(surface().options, alpha_u, alpha_v));
   }
 
   FACETA_INLINE Eval<T> eval(const Vec3<T>& wo, const Vec3<T>& wi, const Context<T>&) const {

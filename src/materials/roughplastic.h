@@ -34,9 +34,9 @@ template <class T> struct RoughPlastic {
         .note(
             "T and R are tabulated at 64 equidistant cosines when the material is made; roughness "
             "and indices therefore take no textures")
-        .note("R, a mean over the 64 cosines, is 1.5 % below the smooth plastic's: alpha -> 0 "
-              "tends to 2 "
-              "% less from a white base (the scene contract's)")
+        .note("R, a mean over the 64 cosines as in the scene contract, is 1.5 % below plastic's: "
+              "with "
+              "alpha -> 0 a white base reflects 2 % less than there")
         .note("the coat's masked light is lost, and T counts what is refracted, not 1 - reflected")
         .reflectance("diffuse_reflectance", &M::diffuse_reflectance, "albedo rho of the base")
         .reflectance("specular_reflectance", &M::specular_reflectance,

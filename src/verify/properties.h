@@ -80,7 +80,7 @@ Outcome check_parameters(const Model&);
 
 /// Each textured parameter of each exemplar by itself, with values that alternate from lane to
 /// lane: every lane gives what the material with that value gives (bits; 1e-5 where the model keeps
-/// derived numbers, 20 % and 3e-3 where it keeps a table made for the texture's mean), and the
+/// derived numbers, 5 % and 3e-3 where it keeps a table made for the texture's mean), and the
 /// values make a difference.
 Outcome check_textures(const Model&);
 /// With the settings of each of the descriptor's limits the model scatters the energy of the other

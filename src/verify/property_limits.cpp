@@ -57,13 +57,6 @@ Vec3<float> viewer(double cosine, double azimuth) {
   return to_single({sine * std::cos(azimuth), sine * std::sin(azimuth), cosine});
 }
 
-bool mentions(const Settings& settings, const std::string& name) {
-  for (const auto& [key, value] : settings)
-    if (key == name)
-      return true;
-  return false;
-}
-
 Parameters with_settings(const Model& model, const Settings& settings) {
   Parameters p(model);
   for (const auto& [key, value] : settings)

@@ -11,6 +11,7 @@ namespace faceta {
 namespace {
 
 constexpr int kQueries = 1021; // a last group that is not full
+constexpr double kTableError = 0.05;
 
 // The two values that alternate, as text: channels differ, so that none is taken for another.
 std::array<std::string, 2> two_values(const ParamInfo& p) {
@@ -58,13 +59,13 @@ double tolerance_of(const Subject& subject) {
   const Descriptor& d = subject.model->descriptor;
   if (declared + int(d.table_slots.size()) == d.slots && subject.record.tables.empty())
     return 0;
-  return declared + int(d.table_slots.size()) == d.slots ? 0.2 : 1e-5;
+  return declared + int(d.table_slots.size()) == d.slots ? kTableError : 1e-5;
 }
 
 bool same(float a, float b, double tolerance) {
   if (tolerance == 0)
     return std::bit_cast<uint32_t>(a) == std::bit_cast<uint32_t>(b);
-  double least = tolerance > 1e-3 ? 3e-3 : 1e-12; // 1e-3 of an albedo, over their small mean
+  double least = tolerance == kTableError ? 3e-3 : 1e-12; // errors of albedos, over their mean
   return std::abs(double(a) - b) <= tolerance * std::max(std::abs(a), std::abs(b)) + least;
 }
 

@@ -56,6 +56,10 @@ Outcome ask(const Model& model, const Fault& fault) {
   throw Error("no such exemplar or property");
 }
 
+void PrintTo(const Fault& fault, std::ostream* out) {
+  *out << fault.model << " of " << fault.original << " / " << fault.exemplar;
+}
+
 class Planted : public ::testing::TestWithParam<Fault> {};
 
 TEST_P(Planted, IsCaught) {
