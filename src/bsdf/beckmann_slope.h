@@ -86,14 +86,18 @@ FACETA_INLINE T slope_magnitude(const MaskOf<T>& body, const T& x, const T& tail
   T w = max(minus_log_normal(select(body, (T(1) - x) * (T(1) + x), tail)), T(0));
   return select(body, x * erfinv_over_x(w), sqrt(w));
 }
-template <std::same_as<double> T> T slope_magnitude(bool body, const T& x, const T& tail) {
-  return body ? erfinv(x) : sqrt(max(-log(tail), 0.0));
+template <class T>
+  requires(!SinglePrecision<T>)
+T slope_magnitude(bool body, const T& x, const T& tail) {
+  return body ? erfinv(x) : sqrt(max(-log(tail), T(0)));
 }
 template <SinglePrecision T> FACETA_INLINE T normal_slope(const T& x) {
   T w = minus_log_normal((T(1) - x) * (T(1) + x));
   return x * erfinv_over_x(max(w, T(0)));
 }
-template <std::same_as<double> T> T normal_slope(const T& x) {
+template <class T>
+  requires(!SinglePrecision<T>)
+T normal_slope(const T& x) {
   return erfinv(x);
 }
 

@@ -23,6 +23,7 @@ template <template <class> class M> struct ReferenceOf {
     model.eval_at = eval_at;
     model.eval_jet = eval_jet;
     model.eval_wide = eval_wide;
+    model.sample_wide = sample_wide;
     return model;
   }
 
@@ -135,18 +136,30 @@ private:
     }
     return r;
   }
-  static ReferenceWide eval_wide(const Record& record, const ReferenceQuery& q) {
+  static M<W> load_wide(const Record& record) {
     M<W> m;
     WideLoader loader(m, record);
     M<W>::describe(loader);
     if constexpr (requires { m.prepare(); })
       m.prepare();
-    Eval<W> e = m.eval(convert<W>(q.wo), convert<W>(q.wi), context<W>(q));
+    return m;
+  }
+  static ReferenceWide to_wide(const Color<W>& color, const W& pdf) {
     ReferenceWide r{};
     for (int i = 0; i < Color<W>::size(); ++i)
-      r.value[i] = e.value[i].a;
-    r.pdf = e.pdf.a;
+      r.color[i] = color[i].a;
+    r.pdf = pdf.a;
     return r;
+  }
+  static ReferenceWide eval_wide(const Record& record, const ReferenceQuery& q) {
+    Eval<W> e = load_wide(record).eval(convert<W>(q.wo), convert<W>(q.wi), context<W>(q));
+    return to_wide(e.value, e.pdf);
+  }
+  static ReferenceWide sample_wide(const Record& record, const Vec3<double>& wo,
+                                   const Random<double>& r) {
+    Random<W> random{{W(r.u.x), W(r.u.y)}, W(r.uc)};
+    Sample<W> s = load_wide(record).sample(convert<W>(wo), random, {});
+    return s.valid ? to_wide(s.weight, s.pdf) : ReferenceWide{};
   }
 };
 

@@ -49,9 +49,9 @@ struct ReferenceJet {
   double derivative[4][8];
 };
 
-/// Value and density over colours of six channels.
+/// Value or weight, and density, over colours of six channels.
 struct ReferenceWide {
-  double value[6];
+  double color[6];
   double pdf;
 };
 
@@ -72,6 +72,8 @@ struct Model {
   /// eval with colours of six channels, which hold the record's three twice: how the model fares
   /// with another width.
   ReferenceWide (*eval_wide)(const Record&, const ReferenceQuery&);
+  /// The weight and density of sample(), all 0 where that fails.
+  ReferenceWide (*sample_wide)(const Record&, const Vec3<double>& wo, const Random<double>&);
   std::array<const MaterialKernel*, kIsaCount> kernels{}; ///< null where the CPU cannot run it
 
   const std::string& name() const { return descriptor.name; }

@@ -66,7 +66,8 @@ Outcome check_precision(const Subject&, Effort, double level);
 /// Jet derivatives agree with central differences to 1e-6 away from kinks. figure: largest error.
 Outcome check_derivatives(const Subject&, Effort, double level);
 /// Over colours of six channels (the record's three twice) every channel has the value and all have
-/// the density that three channels give. figure: the largest relative error.
+/// the density that three channels give, samples likewise. figure: the largest error over what is
+/// allowed.
 Outcome check_channels(const Subject&, Effort, double level);
 /// Parameters survive being written as text and read back: same numbers, same choices, same names.
 Outcome check_round_trip(const Subject&, Effort, double level);

@@ -226,7 +226,8 @@ const std::vector<Property>& subject_properties() {
        "largest error over what is allowed"},
       {"derivatives", "automatic derivatives agree with differences", check_derivatives,
        "largest relative error"},
-      {"channels", "colours of any width work alike", check_channels, "largest relative error"},
+      {"channels", "colours of any width work alike", check_channels,
+       "largest error over what is allowed"},
       {"round_trip", "parameters survive writing and reading", check_round_trip}};
   return properties;
 }
