@@ -43,6 +43,9 @@ template <class S, int N> struct NumberTraits<Jet<S, N>> {
   using Uint = uint32_t;
   using Scalar = double;
   static constexpr int kWidth = 1;
+  /// A Jet without derivatives is a plain number whose colours have another width than three: for
+  /// the proof that models work with any.
+  static constexpr int kChannels = N == 0 ? 6 : 3;
 };
 
 template <class S, int N> Jet<S, N> select(bool m, const Jet<S, N>& a, const Jet<S, N>& b) {

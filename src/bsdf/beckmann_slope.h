@@ -198,13 +198,17 @@ template <SinglePrecision T>
 FACETA_INLINE T slope_magnitude(const MaskOf<T>& body, const T& x, const T& tail) {
   return select(body, erfinv_of_complement(T(1) - x), sqrt(max(minus_log_normal(tail), T(0))));
 }
-template <std::same_as<double> T> T slope_magnitude(bool body, const T& x, const T& tail) {
-  return body ? erfinv(x) : sqrt(max(-log(tail), 0.0));
+template <class T>
+  requires(!SinglePrecision<T>)
+T slope_magnitude(bool body, const T& x, const T& tail) {
+  return body ? erfinv(x) : sqrt(max(-log(tail), T(0)));
 }
 template <SinglePrecision T> FACETA_INLINE T normal_slope(const T& x) {
   return copysign(erfinv_of_complement(T(1) - abs(x)), x);
 }
-template <std::same_as<double> T> T normal_slope(const T& x) {
+template <class T>
+  requires(!SinglePrecision<T>)
+T normal_slope(const T& x) {
   return erfinv(x);
 }
 

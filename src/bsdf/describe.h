@@ -8,6 +8,7 @@
 
 #include "bsdf/bsdf.h"
 
+#include <algorithm>
 #include <limits>
 #include <string>
 #include <utility>
@@ -40,6 +41,11 @@ template <class T> struct Table {
 /// What prepare_once() may use and make.
 struct PrepareOnce {
   std::vector<float>& arena;
+  std::vector<std::string> textured{}; ///< parameters that textures give, of which these are means
+
+  bool has_texture(const std::string& parameter) const {
+    return std::find(textured.begin(), textured.end(), parameter) != textured.end();
+  }
 
   /// Appends a table to the arena.
   Table<double> add_table(const std::vector<double>& values) {
@@ -96,6 +102,23 @@ struct Excuse {
   std::string reference{};
 };
 
+/// What a model becomes at the end of a range: with `settings` another one with `other`, in the
+/// lobes that both have. What both call by the same name may have any value.
+struct Limit {
+  Settings settings;
+  std::string model;
+  Settings other;
+  double tolerance; ///< of the energies; relative, of the values where neither has a delta lobe
+};
+
+/// Albedos that somebody else has computed, seen at cos theta = 1, 0.5 and 0.1.
+struct KnownAlbedo {
+  Settings settings;
+  double albedo[3];
+  double tolerance;
+  std::string source;
+};
+
 struct Traits {
   uint32_t lobes = kReflection; ///< union of Lobe
   bool delta = false;           ///< every lobe is a delta
@@ -112,6 +135,8 @@ struct Descriptor {
   std::vector<ParamInfo> params;
   std::vector<Exemplar> exemplars;
   std::vector<Excuse> excuses;
+  std::vector<Limit> limits;
+  std::vector<KnownAlbedo> albedos;
   Traits traits;
   int slots = 0;                ///< floats per record, derived ones included
   int choices = 0;              ///< integers per record
@@ -143,6 +168,10 @@ template <class D> struct DescribeIgnoringTexts {
   using Words = std::initializer_list<const char*>;
   using Pairs = std::initializer_list<std::pair<const char*, const char*>>;
   FACETA_INLINE D& exemplar(const char*, Pairs, bool = false) { return self(); }
+  FACETA_INLINE D& limit(Pairs, const char*, Pairs, double) { return self(); }
+  FACETA_INLINE D& known_albedo(Pairs, double, double, double, double, const char*) {
+    return self();
+  }
   FACETA_INLINE D& metal(const char*, const char*, const char*) { return self(); }
 };
 
@@ -181,10 +210,19 @@ public:
     return *this;
   }
   auto& exemplar(const char* name, Pairs settings, bool lossless = false) {
-    Exemplar e{name, {}, lossless};
-    for (auto& [key, value] : settings)
-      e.settings.emplace_back(key, value);
-    descriptor.exemplars.push_back(std::move(e));
+    descriptor.exemplars.push_back({name, to_settings(settings), lossless});
+    return *this;
+  }
+  /// See Limit.
+  auto& limit(Pairs settings, const char* model, Pairs other, double tolerance) {
+    descriptor.limits.push_back({to_settings(settings), model, to_settings(other), tolerance});
+    return *this;
+  }
+  /// See KnownAlbedo: at normal incidence, 60 degrees and 84 degrees (cos = 0.1).
+  auto& known_albedo(Pairs settings, double normal, double slanted, double grazing,
+                     double tolerance, const char* source) {
+    descriptor.albedos.push_back(
+        {to_settings(settings), {normal, slanted, grazing}, tolerance, source});
     return *this;
   }
 
@@ -278,6 +316,12 @@ public:
   }
 
 private:
+  static Settings to_settings(Pairs pairs) {
+    Settings settings;
+    for (auto& [key, value] : pairs)
+      settings.emplace_back(key, value);
+    return settings;
+  }
   ParamInfo& add(const char* name, const char* doc, ParamKind kind, std::vector<double> defaults,
                  Range hard, Range soft, const char* unit, bool textured) {
     ParamInfo p;

@@ -117,6 +117,36 @@ std::vector<double> make_slice(const Microfacet<double>& surface, const Quadratu
   return slice;
 }
 
+/// The roughnesses of a table.
+struct Nodes {
+  double own, largest;
+  explicit Nodes(double r) : own(r), largest(std::max(1.0, 2 * r)) {}
+  double at(int s) const {
+    return s <= Layout::kBelow ? own * s / Layout::kBelow
+                               : own + (largest - own) * (s - Layout::kBelow) / Layout::kAbove;
+  }
+};
+
+/// `unit` is the geometric mean of alpha_u and alpha_v at roughness 1. The quadrature has more
+/// nodes, if at all, at the material's own roughness: the other slices serve textures only.
+void add_part(std::vector<double>& table, MicrofacetOptions options, const Nodes& nodes,
+              double ratio, double unit, int own_nodes) {
+  static const Quadrature coarse = gauss_legendre(16);
+  const Quadrature fine = gauss_legendre(own_nodes);
+  options.sample_visible = 1; // the quadrature's business only
+  options.bounded = 1;
+  std::vector<double> means;
+  for (int s = 0; s < Layout::kRoughnesses; ++s) {
+    double stretch = std::sqrt(ratio);
+    double roughness = std::max(unit * nodes.at(s), 1e-4 * std::max(stretch, 1 / stretch));
+    Microfacet<double> surface(options, roughness * stretch, roughness / stretch);
+    std::vector<double> slice = make_slice(surface, s == Layout::kBelow ? fine : coarse);
+    means.push_back(mean_of_slice(slice.data(), roughness, ratio));
+    table.insert(table.end(), slice.begin(), slice.end());
+  }
+  table.insert(table.end(), means.begin(), means.end());
+}
+
 } // namespace
 
 double microfacet_albedo(const MicrofacetOptions& options, double alpha_u, double alpha_v,
@@ -127,31 +157,26 @@ double microfacet_albedo(const MicrofacetOptions& options, double alpha_u, doubl
   return albedo(Microfacet<double>(visible, alpha_u, alpha_v), wo, gauss_legendre(n));
 }
 
-std::vector<double> make_energy_table(const MicrofacetOptions& given, double alpha_u,
+std::vector<double> make_energy_table(const MicrofacetOptions& options, double alpha_u,
                                       double alpha_v) {
-  MicrofacetOptions options = given;
-  options.sample_visible = 1; // the quadrature's business only
-  options.bounded = 1;
   alpha_u = std::max(alpha_u, 1e-4);
   alpha_v = std::max(alpha_v, 1e-4);
-  double own = std::sqrt(alpha_u * alpha_v), largest = std::max(1.0, 2 * own);
+  Nodes nodes(std::sqrt(alpha_u * alpha_v));
   double ratio = alpha_u / alpha_v;
-  static const Quadrature coarse = gauss_legendre(16);
-  const Quadrature fine = gauss_legendre(ratio == 1 ? 64 : 48);
-  std::vector<double> table{own, largest, ratio, 1 / ratio}, means;
-  for (int s = 0; s < Layout::kRoughnesses; ++s) {
-    double roughness = s <= Layout::kBelow
-                           ? own * s / Layout::kBelow
-                           : own + (largest - own) * (s - Layout::kBelow) / Layout::kAbove;
-    double stretch = std::sqrt(ratio);
-    roughness = std::max(roughness, 1e-4 * std::max(stretch, 1 / stretch));
-    Microfacet<double> surface(options, roughness * stretch, roughness / stretch);
-    // The other slices serve textures only.
-    std::vector<double> slice = make_slice(surface, s == Layout::kBelow ? fine : coarse);
-    means.push_back(mean_of_slice(slice.data(), roughness, ratio));
-    table.insert(table.end(), slice.begin(), slice.end());
+  std::vector<double> table{nodes.own, nodes.largest, ratio, 1 / ratio};
+  add_part(table, options, nodes, ratio, 1, ratio == 1 ? 64 : 48);
+  return table;
+}
+
+std::vector<double> make_energy_table_of_ratios(const MicrofacetOptions& options, double alpha_u,
+                                                double alpha_v) {
+  Nodes nodes(0.5 * (std::max(alpha_u, 1e-4) + std::max(alpha_v, 1e-4)));
+  std::vector<double> table{nodes.own, nodes.largest, 0, 0};
+  for (int j = 0; j < Layout::kRatios; ++j) {
+    double root = 1 - Layout::kLastRatio * j / (Layout::kRatios - 1);
+    double unit = 2 * root / (1 + root * root); // of 2 / (1 + root^2) and root^2 times that
+    add_part(table, options, nodes, 1 / (root * root), unit, 16);
   }
-  table.insert(table.end(), means.begin(), means.end());
   return table;
 }
 

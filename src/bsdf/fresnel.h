@@ -36,14 +36,18 @@ template <class T> struct ConductorIndex {
 };
 /// The indices of the channels.
 template <class T> struct ConductorIndices {
-  ConductorIndex<T> channel[3];
+  ConductorIndex<T> channel[Color<T>::size()];
 
   ConductorIndices() = default;
-  FACETA_INLINE ConductorIndices(const Color<T>& eta, const Color<T>& k)
-      : channel{{eta[0], k[0]}, {eta[1], k[1]}, {eta[2], k[2]}} {}
+  FACETA_INLINE ConductorIndices(const Color<T>& eta, const Color<T>& k) {
+    for (int i = 0; i < Color<T>::size(); ++i)
+      channel[i] = {eta[i], k[i]};
+  }
   FACETA_INLINE Color<T> reflectance(const T& cos2) const {
-    return {channel[0].reflectance(cos2), channel[1].reflectance(cos2),
-            channel[2].reflectance(cos2)};
+    Color<T> r;
+    for (int i = 0; i < Color<T>::size(); ++i)
+      r[i] = channel[i].reflectance(cos2);
+    return r;
   }
 };
 

@@ -24,7 +24,7 @@ namespace faceta {
 /// model has sample() in two steps: sample_direction(wo, random, context) and weigh(wo, what that
 /// returned, context).
 template <class M> constexpr int usual_choices() {
-  if constexpr (requires { M::kUsualChoices; })
+  if constexpr (requires { std::size(M::kUsualChoices); })
     return static_cast<int>(std::size(M::kUsualChoices));
   else
     return 0;

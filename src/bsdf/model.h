@@ -25,9 +25,11 @@ template <class D, class M, class T> struct FieldVisitor : DescribeIgnoringTexts
       self().number_at((m.*f)[i]);
     return self();
   }
-  FACETA_INLINE D& reflectance(const char*, Color<T> M::* f, const char*) { return color_field(f); }
+  FACETA_INLINE D& reflectance(const char*, Color<T> M::* f, const char*) {
+    return self().color_field(f);
+  }
   FACETA_INLINE D& spectrum(const char*, Color<T> M::* f, Range, const char*) {
-    return color_field(f);
+    return self().color_field(f);
   }
   FACETA_INLINE D& scalar(const char*, T M::* f, Range, Range, const char*, const char*) {
     return number_field(f);
@@ -49,7 +51,7 @@ template <class D, class M, class T> struct FieldVisitor : DescribeIgnoringTexts
     return self();
   }
   FACETA_INLINE D& derived(T M::* f) { return number_field(f); }
-  FACETA_INLINE D& derived(Color<T> M::* f) { return color_field(f); }
+  FACETA_INLINE D& derived(Color<T> M::* f) { return self().color_field(f); }
   FACETA_INLINE D& table(Table<T> M::* f) {
     self().table_at(m.*f);
     return self();

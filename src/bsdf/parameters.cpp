@@ -86,6 +86,7 @@ void Parameters::check_range(const ParamInfo& p, double value, const SourcePosit
 void Parameters::assign(const ParamInfo& p, const std::vector<double>& values) {
   for (int i = 0; i < p.slots; ++i)
     slots_[p.slot + i] = values[values.size() == 1 ? 0 : i];
+  std::erase(textured_, p.name);
 }
 
 void Parameters::set_number(const std::string& name, double value, const SourcePosition& where,
@@ -120,6 +121,7 @@ void Parameters::set_texture(const std::string& name, const std::array<double, 3
   else
     assign(p, {(mean_rgb[0] + mean_rgb[1] + mean_rgb[2]) / 3});
   set_[name] = "";
+  textured_.push_back(name);
 }
 
 void Parameters::set(const std::string& name, const std::string& text,

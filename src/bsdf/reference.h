@@ -22,11 +22,14 @@ template <template <class> class M> struct ReferenceOf {
     model.sample = sample;
     model.eval_at = eval_at;
     model.eval_jet = eval_jet;
+    model.eval_wide = eval_wide;
+    model.sample_wide = sample_wide;
     return model;
   }
 
 private:
-  static Record make_record(const std::vector<double>& slots, const std::vector<int32_t>& choices) {
+  static Record make_record(const std::vector<double>& slots, const std::vector<int32_t>& choices,
+                            const std::vector<std::string>& textured) {
     M<double> m;
     FieldPointers<M<double>, double> pointers(m);
     M<double>::describe(pointers);
@@ -40,7 +43,7 @@ private:
         throw Error(problem);
     Record record;
     if constexpr (requires(PrepareOnce& p) { m.prepare_once(p); }) {
-      PrepareOnce context{record.tables};
+      PrepareOnce context{record.tables, textured};
       m.prepare_once(context);
     }
     RecordWriter<M<double>> writer(m, record.slots, record.choices);
@@ -59,6 +62,26 @@ private:
       ++next;
     }
     void table_at(Table<double>&) {}
+  };
+
+  using W = Jet<double, 0>;
+  /// Loads a record whose colours have three channels into more: the three again and again.
+  struct WideLoader : FieldVisitor<WideLoader, M<W>, W> {
+    const Record& record;
+    size_t next_slot = 0, next_choice = 0;
+    WideLoader(M<W>& m, const Record& r) : FieldVisitor<WideLoader, M<W>, W>(m), record(r) {}
+    void number_at(W& field) { field = W(double(record.slots[next_slot++])); }
+    WideLoader& color_field(Color<W> M<W>::* f) {
+      for (int i = 0; i < Color<W>::size(); ++i)
+        (this->m.*f)[i] = W(double(record.slots[next_slot + size_t(i % 3)]));
+      next_slot += 3;
+      return *this;
+    }
+    void choice_at(int& field) { field = record.choices[next_choice++]; }
+    void table_at(Table<W>& field) {
+      field.base = record.tables.data();
+      field.offset = static_cast<int32_t>(record.slots[next_slot++]);
+    }
   };
 
   template <class T> static Vec3<T> convert(const Vec3<double>& v) {
@@ -113,6 +136,31 @@ private:
         r.derivative[i][k] = j.v[k];
     }
     return r;
+  }
+  static M<W> load_wide(const Record& record) {
+    M<W> m;
+    WideLoader loader(m, record);
+    M<W>::describe(loader);
+    if constexpr (requires { m.prepare(); })
+      m.prepare();
+    return m;
+  }
+  static ReferenceWide to_wide(const Color<W>& color, const W& pdf) {
+    ReferenceWide r{};
+    for (int i = 0; i < Color<W>::size(); ++i)
+      r.color[i] = color[i].a;
+    r.pdf = pdf.a;
+    return r;
+  }
+  static ReferenceWide eval_wide(const Record& record, const ReferenceQuery& q) {
+    Eval<W> e = load_wide(record).eval(convert<W>(q.wo), convert<W>(q.wi), context<W>(q));
+    return to_wide(e.value, e.pdf);
+  }
+  static ReferenceWide sample_wide(const Record& record, const Vec3<double>& wo,
+                                   const Random<double>& r) {
+    Random<W> random{{W(r.u.x), W(r.u.y)}, W(r.uc)};
+    Sample<W> s = load_wide(record).sample(convert<W>(wo), random, {});
+    return s.valid ? to_wide(s.weight, s.pdf) : ReferenceWide{};
   }
 };
 

@@ -49,11 +49,18 @@ struct ReferenceJet {
   double derivative[4][8];
 };
 
+/// Value or weight, and density, over colours of six channels.
+struct ReferenceWide {
+  double color[6];
+  double pdf;
+};
+
 struct Model {
   Descriptor descriptor;
-  /// Record from the values of all declared slots (doubles, derived slots ignored) and choices:
-  /// runs prepare_once.
-  Record (*make_record)(const std::vector<double>& slots, const std::vector<int32_t>& choices);
+  /// Record from the values of all declared slots (doubles, derived slots ignored) and choices, and
+  /// the names of the parameters that textures give: runs prepare_once.
+  Record (*make_record)(const std::vector<double>& slots, const std::vector<int32_t>& choices,
+                        const std::vector<std::string>& textured);
   Eval<double> (*eval)(const Record&, const ReferenceQuery&);
   Sample<double> (*sample)(const Record&, const Vec3<double>& wo, const Random<double>&,
                            TransportMode, Vec2<double> uv);
@@ -62,6 +69,11 @@ struct Model {
   /// Derivatives with respect to the slots listed in `active` (at most 8; table slots not allowed).
   ReferenceJet (*eval_jet)(const Record&, const std::vector<double>& slots,
                            const std::vector<int>& active, const ReferenceQuery&);
+  /// eval with colours of six channels, which hold the record's three twice: how the model fares
+  /// with another width.
+  ReferenceWide (*eval_wide)(const Record&, const ReferenceQuery&);
+  /// The weight and density of sample(), all 0 where that fails.
+  ReferenceWide (*sample_wide)(const Record&, const Vec3<double>& wo, const Random<double>&);
   std::array<const MaterialKernel*, kIsaCount> kernels{}; ///< null where the CPU cannot run it
 
   const std::string& name() const { return descriptor.name; }
@@ -128,7 +140,7 @@ public:
   std::string given_name(const std::string& param) const;
   /// The value as text that set() reads back to the same numbers.
   std::string text(const std::string& param) const;
-  Record record() const { return model_->make_record(slots_, choices_); }
+  Record record() const { return model_->make_record(slots_, choices_, textured_); }
 
 private:
   const ParamInfo& info(const std::string& name, const SourcePosition& where) const;
@@ -139,6 +151,7 @@ private:
   const Model* model_;
   std::vector<double> slots_;
   std::vector<int32_t> choices_;
+  std::vector<std::string> textured_;
   std::map<std::string, std::string> set_; ///< parameters given, with the name they were given by
 };
 

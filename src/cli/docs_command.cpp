@@ -3,6 +3,7 @@
 #include "cli/gallery.h"
 #include "cli/suite_progress.h"
 #include "formats/material_docs.h"
+#include "formats/material_json.h"
 #include "formats/material_xml.h"
 #include "formats/output_file.h"
 #include "image/io.h"
@@ -84,6 +85,7 @@ struct Site {
 
 DocsResults find_results(bool quiet) {
   round_trips().emplace_back("xml", through_xml);
+  round_trips().emplace_back("json", through_json);
   std::vector<SuiteSubject> subjects;
   std::vector<const Model*> models;
   for (const auto& model : Registry::global().models()) {

@@ -1,6 +1,7 @@
 #include "cli/commands.h"
 #include "cli/suite_progress.h"
 #include "formats/material_docs.h"
+#include "formats/material_json.h"
 #include "formats/material_xml.h"
 #include "formats/output_file.h"
 #include "verify/report_html.h"
@@ -75,6 +76,7 @@ int run_verify(const VerifyOptions& options) {
     return kOk;
   }
   round_trips().emplace_back("xml", through_xml);
+  round_trips().emplace_back("json", through_json);
   Subjects all = choose_subjects(options);
   SuiteOptions suite;
   suite.effort = options.full ? Effort::full : Effort::quick;

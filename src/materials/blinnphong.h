@@ -31,6 +31,10 @@ template <class T> struct BlinnPhong {
         .reflectance("specular_reflectance", &M::specular_reflectance,
                      "largest albedo rho_s of the highlight")
         .traits({.lobes = kReflection, .reciprocal = true})
+        .limit({{"exponent", "0"},
+                {"diffuse_reflectance", "0.5,0.2,0.1"},
+                {"specular_reflectance", "0.4,0.2,0.6"}},
+               "diffuse", {{"reflectance", "0.9,0.4,0.7"}}, 1e-6)
         .exemplar("default", {})
         .exemplar("flat", {{"exponent", "0"}})
         .exemplar("sharp", {{"exponent", "10000"}, {"diffuse_reflectance", "0.1,0.2,0.4"}})

@@ -22,6 +22,8 @@ template <class T> struct Conductor {
         .reflectance("specular_reflectance", &Conductor::specular_reflectance,
                      "factor on the reflection, 1 for a real metal")
         .traits({.lobes = kReflection, .delta = true, .has_delta = true})
+        .limit({{"eta", "1.5"}, {"k", "0"}}, "dielectric", {{"int_ior", "1.5"}, {"ext_ior", "1"}},
+               1e-6)
         .exemplar("mirror", {}, true)
         .exemplar("gold of the course", {{"material", "gold"}})
         .exemplar("aluminium", {{"material", "Al"}})

@@ -14,6 +14,7 @@ template <class T> struct OrenNayar {
 
   template <class D> static void describe(D& d) {
     using M = OrenNayar;
+    const char* kTable = "quadrature over 1500 x 1500 directions";
     d.model("orennayar", "Rough diffuse reflection")
         .equation("a = max(theta_i, theta_o), b = min(theta_i, theta_o), dphi = phi_i - phi_o\n"
                   "full: f = rho/pi [C1 + cos dphi C2 tan b + (1 - |cos dphi|) C3 tan((a+b)/2)]\n"
@@ -47,6 +48,19 @@ template <class T> struct OrenNayar {
                 "the full 1994 model is a fit and reflects up to 5 % more than it receives "
                 "at grazing angles (4.4 % at 89 degrees, 5.1 % in the limit, sigma = 0.3)",
                 "Oren and Nayar 1994, Generalization of Lambert's Reflectance Model, eqs. 27-30")
+        .limit({{"sigma", "0"}}, "diffuse", {}, 1e-6)
+        .known_albedo({{"model", "full"}, {"sigma", "0.2"}, {"reflectance", "1"}}, 0.986, 0.999,
+                      1.026, 1e-3, kTable)
+        .known_albedo({{"model", "full"}, {"sigma", "0.5"}, {"reflectance", "1"}}, 0.896, 0.927,
+                      0.991, 1e-3, kTable)
+        .known_albedo({{"model", "full"}, {"sigma", "1"}, {"reflectance", "1"}}, 0.775, 0.813,
+                      0.893, 1e-3, kTable)
+        .known_albedo({{"model", "simple"}, {"sigma", "0.2"}, {"reflectance", "1"}}, 0.946, 0.987,
+                      1.01, 1e-3, kTable)
+        .known_albedo({{"model", "simple"}, {"sigma", "0.5"}, {"reflectance", "1"}}, 0.785, 0.883,
+                      0.939, 1e-3, kTable)
+        .known_albedo({{"model", "simple"}, {"sigma", "1"}, {"reflectance", "1"}}, 0.624, 0.747,
+                      0.816, 1e-3, kTable)
         .exemplar("default", {})
         .exemplar("smooth white", {{"sigma", "0"}, {"reflectance", "1"}}, true)
         .exemplar("clay", {{"sigma", "1"}, {"reflectance", "0.6,0.35,0.2"}})

@@ -43,6 +43,8 @@ template <class T> struct Plastic {
             "energy",
             "the fitted internal reflectance R is up to 4.3 % off at eta = 2.5 (0.12 % up to 2)",
             "Egan and Hilgeman 1973; d'Eon and Irving 2011 (fits of R)")
+        .limit({{"int_ior", "1.3"}, {"ext_ior", "1.3"}, {"diffuse_reflectance", "0.9,0.4,0.1"}},
+               "diffuse", {{"reflectance", "0.9,0.4,0.1"}}, 1e-3)
         .exemplar("default", {})
         .exemplar("nonlinear", {{"diffuse_reflectance", "0.9,0.4,0.1"}, {"nonlinear", "true"}})
         .exemplar("ceramic", {{"diffuse_reflectance", "0.05,0.1,0.4"}, {"int_ior", "1.9"}})

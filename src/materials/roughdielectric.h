@@ -42,6 +42,7 @@ template <class T> struct RoughDielectric {
         .reflectance("specular_transmittance", &M::specular_transmittance,
                      "factor on the transmission, 1 for real glass")
         .traits({.lobes = kReflection | kTransmission, .two_sided = true})
+        .limit({{"alpha", "0"}}, "dielectric", {}, 1e-3)
         .exemplar("frosted glass", {})
         .exemplar("almost smooth", {{"alpha", "0.001"}})
         .exemplar("brushed", {{"distribution", "ggx"}, {"alpha_u", "0.05"}, {"alpha_v", "0.3"}})

@@ -6,8 +6,16 @@
 
 namespace faceta {
 
+/// How many channels the colours over a number type have: 3, unless the type says otherwise.
+template <class T> consteval int channels_of() {
+  if constexpr (requires { NumberTraits<T>::kChannels; })
+    return NumberTraits<T>::kChannels;
+  else
+    return 3;
+}
+
 /// N independent channels (3: linear sRGB; a spectral build carries hero wavelengths instead).
-template <class T, int N = 3> struct Color {
+template <class T, int N = channels_of<T>()> struct Color {
   T c[N];
 
   Color() : Color(T(0)) {}

@@ -65,6 +65,10 @@ Outcome check_lanes(const Subject&, Effort, double level);
 Outcome check_precision(const Subject&, Effort, double level);
 /// Jet derivatives agree with central differences to 1e-6 away from kinks. figure: largest error.
 Outcome check_derivatives(const Subject&, Effort, double level);
+/// Over colours of six channels (the record's three twice) every channel has the value and all have
+/// the density that three channels give, samples likewise. figure: the largest error over what is
+/// allowed.
+Outcome check_channels(const Subject&, Effort, double level);
 /// Parameters survive being written as text and read back: same numbers, same choices, same names.
 Outcome check_round_trip(const Subject&, Effort, double level);
 
@@ -74,6 +78,21 @@ Outcome check_description(const Model&);
 /// Outside its hard range a parameter is refused by a message that names it; inside, it changes a
 /// value, a density or a sample somewhere.
 Outcome check_parameters(const Model&);
+
+/// Each textured parameter of each exemplar by itself, with values that alternate from lane to
+/// lane: every lane gives what the material with that value gives (bits; 1e-5 where the model keeps
+/// derived numbers, 5 % and 3e-3 where it keeps a table made for the texture's mean), and the
+/// values make a difference.
+Outcome check_textures(const Model&);
+/// With the settings of each of the descriptor's limits the model scatters the energy of the other
+/// model, into the same directions on the whole, lobe by lobe (at evenly spread points; both
+/// transport modes, both sides); values agree where neither has delta lobes. The parameters that
+/// both have, and the choices of either, are drawn at random. Interfaces between equal indices let
+/// light pass as if nothing were there, or refuse to be. figure: the largest error over what is
+/// allowed.
+Outcome check_limits(const Model&);
+/// The descriptor's known albedos, at evenly spread points. figure: the largest difference.
+Outcome check_albedos(const Model&);
 
 /// Writes parameters in some format and reads them back.
 using RoundTrip = std::function<Parameters(const Parameters&)>;

@@ -211,6 +211,48 @@ Outcome check_precision(const Subject& subject, Effort effort, double) {
 
 namespace {
 
+void compare_channels(const ReferenceWide& wide, const Color<double>& color, double pdf,
+                      double tolerance, const std::string& where, Outcome& outcome) {
+  for (int k = 0; k < 7; ++k) {
+    double a = k < 6 ? wide.color[k] : wide.pdf, b = k < 6 ? color[k % 3] : pdf;
+    double error = std::abs(a - b) / std::max(std::abs(b), 1e-20);
+    outcome.figure = std::max(outcome.figure, error / tolerance);
+    if (!(error <= tolerance))
+      outcome.fail(fmt::format("{}: {} {} is {:.12g} with three channels, {:.12g} with six", where,
+                               k < 6 ? "channel" : "density", k < 6 ? std::to_string(k) : "", b,
+                               a));
+  }
+}
+
+} // namespace
+
+Outcome check_channels(const Subject& subject, Effort effort, double) {
+  Outcome outcome;
+  const Model& model = *subject.model;
+  int n = effort == Effort::quick ? 2048 : 16384;
+  EvalBatch pairs = pairs_of(subject, n, 95);
+  RandomStream random(96);
+  for (int i = 0; i < n; ++i) {
+    ReferenceQuery q{to_double(pairs.viewer(i)), to_double(pairs.light(i))};
+    Eval<double> three = model.eval(subject.record, q);
+    std::string viewer = "wo = " + to_text(pairs.viewer(i));
+    compare_channels(model.eval_wide(subject.record, q), three.value, three.pdf, 1e-9,
+                     viewer + ", wi = " + to_text(pairs.light(i)), outcome);
+    Random<double> numbers{{random.next(), random.next()}, random.next()};
+    Sample<double> s =
+        model.sample(subject.record, q.wo, numbers, TransportMode::radiance, {0.5, 0.5});
+    ReferenceWide wide = model.sample_wide(subject.record, q.wo, numbers);
+    // Both round differently on the way to a direction, to which narrow lobes are sensitive.
+    if (s.valid)
+      compare_channels(wide, s.weight, s.pdf, 1e-6, viewer + ", sampled", outcome);
+    else if (wide.pdf != 0)
+      outcome.fail(viewer + ": sampling fails with three channels, not with six");
+  }
+  return outcome;
+}
+
+namespace {
+
 // A central difference with what is known of its error.
 struct Difference {
   double value, error;

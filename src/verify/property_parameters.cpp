@@ -1,3 +1,4 @@
+#include "verify/parameter_values.h"
 #include "verify/properties.h"
 
 #include <algorithm>
@@ -10,47 +11,6 @@
 namespace faceta {
 
 namespace {
-
-// What goes with a parameter: alpha_u and alpha_v, eta and k, must be given together.
-std::string partner_of(const std::string& name) {
-  const char* pairs[][2] = {{"alpha_u", "alpha_v"}, {"eta", "k"}};
-  for (auto& pair : pairs)
-    for (int i = 0; i < 2; ++i)
-      if (name == pair[i])
-        return pair[1 - i];
-  return {};
-}
-
-bool lists(const std::string& comma_separated, const std::string& name) {
-  return ("," + comma_separated + ",").find("," + name + ",") != std::string::npos;
-}
-
-// A number in the soft range, at a share u of it.
-double soft_value(const ParamInfo& p, double u) {
-  double low = std::isfinite(p.soft.low) ? p.soft.low : 0;
-  double high = std::isfinite(p.soft.high) ? p.soft.high : low + 4;
-  return low + u * (high - low);
-}
-
-// The exemplar with one parameter changed, without what the change excludes.
-Parameters changed(const Model& model, const Exemplar& exemplar, const ParamInfo& p,
-                   const std::string& text) {
-  Parameters result(model);
-  std::string partner = partner_of(p.name);
-  for (const auto& [key, value] : exemplar.settings) {
-    const ParamInfo* other = model.descriptor.find(key);
-    bool clash =
-        key == p.name || lists(p.excludes, key) || (other && lists(other->excludes, p.name));
-    if (!clash)
-      result.set(key, value);
-  }
-  const ParamInfo* other = model.descriptor.find(partner);
-  if (other && !result.was_set(partner)) // not the default: beside eta = 0 no k has an effect
-    result.set(partner, fmt::format("{}", soft_value(*other, 0.37)));
-  result.set(p.name, text);
-  result.check();
-  return result;
-}
 
 std::vector<std::string> values_to_try(const ParamInfo& p) {
   if (p.kind == ParamKind::metal)
@@ -266,6 +226,8 @@ const std::vector<Property>& subject_properties() {
        "largest error over what is allowed"},
       {"derivatives", "automatic derivatives agree with differences", check_derivatives,
        "largest relative error"},
+      {"channels", "colours of any width work alike", check_channels,
+       "largest error over what is allowed"},
       {"round_trip", "parameters survive writing and reading", check_round_trip}};
   return properties;
 }
@@ -273,7 +235,10 @@ const std::vector<Property>& subject_properties() {
 const std::vector<ModelProperty>& model_properties() {
   static const std::vector<ModelProperty> properties = {
       {"description", "the model is described completely", check_description},
-      {"parameters", "every parameter has its range and its effect", check_parameters}};
+      {"parameters", "every parameter has its range and its effect", check_parameters},
+      {"textures", "every textured parameter is taken lane by lane", check_textures},
+      {"limits", "at the ends of its ranges the model becomes those it should", check_limits},
+      {"albedos", "albedos are those that others have computed", check_albedos}};
   return properties;
 }
 

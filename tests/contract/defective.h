@@ -27,14 +27,16 @@ enum class Defect {
   dead_parameter, ///< `gain` does nothing
   wrong_mode,     ///< importance has a factor that radiance has not
   wrong_delta,    ///< a delta lobe misreports its probability by 1 %
-  hidden_peak     ///< a narrow lobe in the density that sample() never draws from
+  hidden_peak,    ///< a narrow lobe in the density that sample() never draws from
+  wrong_width     ///< assumes three channels
 };
 
 inline constexpr const char* kDefectNames[] = {
     "none",         "none_mirror",    "wrong_density", "wrong_sampling", "wrong_weight",
     "wrong_sample", "wrong_side",     "too_bright",    "lossy",          "one_way",
     "not_a_number", "negative",       "lane_drift",    "lane_texture",   "imprecise",
-    "wrong_slope",  "dead_parameter", "wrong_mode",    "wrong_delta",    "hidden_peak"};
+    "wrong_slope",  "dead_parameter", "wrong_mode",    "wrong_delta",    "hidden_peak",
+    "wrong_width"};
 
 /// A sum of Lambert and, for some defects, a mirror: right in everything but the defect.
 template <class T, Defect kDefect> struct Defective {
@@ -51,7 +53,12 @@ template <class T, Defect kDefect> struct Defective {
         .reflectance("reflectance", &Defective::reflectance, "albedo rho")
         .scalar("gain", &Defective::gain, {0, 1}, {0, 1}, "", "factor of everything")
         .traits({.lobes = kReflection, .has_delta = kMirror})
+        .known_albedo({}, 1, 1, 1, 1e-3, "f = rho / pi")
         .exemplar("white", {}, !has(Defect::too_bright));
+    if (kMirror)
+      d.limit({{"gain", "0"}}, "diffuse", {{"reflectance", "0"}}, 1e-6);
+    else
+      d.limit({{"gain", "1"}}, "diffuse", {}, 1e-6);
   }
 
   Eval<T> eval(const Vec3<T>& wo, const Vec3<T>& wi, const Context<T>& context) const {
@@ -68,6 +75,8 @@ template <class T, Defect kDefect> struct Defective {
       value = value * T(1.01);
     if (has(Defect::lossy))
       value = value * T(0.99);
+    if (has(Defect::wrong_width))
+      value = value * T(Color<T>::size() / 3.0);
     if (has(Defect::one_way))
       value = value * (T(1) - T(0.01) * wo.z);
     if (has(Defect::not_a_number)) {
@@ -152,5 +161,6 @@ template <class T> using DeadParameter = Defective<T, Defect::dead_parameter>;
 template <class T> using WrongMode = Defective<T, Defect::wrong_mode>;
 template <class T> using WrongDelta = Defective<T, Defect::wrong_delta>;
 template <class T> using HiddenPeak = Defective<T, Defect::hidden_peak>;
+template <class T> using WrongWidth = Defective<T, Defect::wrong_width>;
 
 } // namespace faceta::defective

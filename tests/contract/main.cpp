@@ -1,6 +1,7 @@
 // Registers one test for every material, exemplar and property; the materials come from the
 // registry.
 
+#include "formats/material_json.h"
 #include "formats/material_xml.h"
 #include "verify/suite.h"
 
@@ -98,6 +99,7 @@ int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);
   Registry::global().add(newcomers::newcomers_models(), FACETA_TEST_MODULES, "newcomers");
   round_trips().emplace_back("xml", through_xml);
+  round_trips().emplace_back("json", through_json);
   for (const auto& model : Registry::global().models())
     register_model(*model);
   return RUN_ALL_TESTS();

@@ -51,7 +51,9 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{"negative", "finite"}, Case{"lane_drift", "lanes"},
                       Case{"lane_texture", "lanes"}, Case{"imprecise", "precision"},
                       Case{"wrong_slope", "derivatives"}, Case{"dead_parameter", "parameters"},
-                      Case{"wrong_mode", "modes"}),
+                      Case{"wrong_mode", "modes"}, Case{"wrong_width", "channels"},
+                      Case{"lane_texture", "textures"}, Case{"dead_parameter", "textures"},
+                      Case{"lossy", "limits"}, Case{"lossy", "albedos"}),
     name_of);
 
 class Passes : public ::testing::TestWithParam<Case> {};

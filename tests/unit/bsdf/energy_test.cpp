@@ -97,5 +97,36 @@ TEST(Energy, TableReadsBackTheLoss) {
   }
 }
 
+// Textures that give alpha_u and alpha_v by themselves: each lane has a ratio of its own.
+TEST(Energy, TableOfRatiosReadsBackTheLoss) {
+  for (int distribution : {kBeckmann, kGgx}) {
+    MicrofacetOptions o{.distribution = distribution};
+    std::vector<float> arena;
+    PrepareOnce context{arena};
+    Table<double> table = context.add_table(make_energy_table_of_ratios(o, 0.3, 0.2));
+    table.base = arena.data();
+    double squares = 0;
+    int count = 0;
+    for (double u : {0.05, 0.12, 0.3, 0.47, 0.9})
+      for (double v : {0.05, 0.2, 0.3, 0.61, 1.0}) {
+        EnergyLookup<double> lookup(table, u, v);
+        double mean = 0;
+        for (int k = 0; k < 500; ++k)
+          mean += lookup.lost(direction(std::sqrt((k + 0.5) / 500), 2.39996 * k)) / 500;
+        EXPECT_NEAR(lookup.mean_lost(), mean, 4e-3) << distribution << " " << u << " " << v;
+        for (double cosine : {1.0, 0.7, 0.4, 0.1, 0.03})
+          for (double azimuth : {0.0, 0.5, 1.3}) {
+            Vec3<double> w = direction(cosine, azimuth);
+            double lost = 1 - microfacet_albedo(o, u, v, w, 64), error = lookup.lost(w) - lost;
+            squares += error * error;
+            ++count;
+            EXPECT_NEAR(error, 0, 0.02) << distribution << " " << u << " " << v << " " << cosine
+                                        << " " << azimuth << ": " << lost;
+          }
+      }
+    EXPECT_LT(std::sqrt(squares / count), 5e-3) << distribution;
+  }
+}
+
 } // namespace
 } // namespace faceta

@@ -51,8 +51,9 @@ namespace {
 // Scenes only pass the pointer on.
 const MaterialKernel kKernel{"silent", nullptr, nullptr, nullptr};
 
-template <template <class> class M>
-Record make_record(const std::vector<double>& slots, const std::vector<int32_t>& choices) {
+template <template <class> class M> Record make_record(const std::vector<double>& slots,
+                                                       const std::vector<int32_t>& choices,
+                                                       const std::vector<std::string>&) {
   M<double> m;
   FieldPointers<M<double>, double> pointers(m);
   M<double>::describe(pointers);
