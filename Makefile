@@ -79,6 +79,7 @@ lint: setup $(call configure,release)
 	@.ci/install-packages lint
 	.ci/format --check
 	.ci/check-rooms
+	@cmake --build --preset release --target build.ninja # new files, new flags
 	.ci/tidy
 
 install: build

@@ -62,5 +62,6 @@ if(FACETA_TESTS)
       -DFLAGS=${CMAKE_CXX_FLAGS} -DLAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}
       -DVERSION=${PROJECT_VERSION} -DBINDIR=${CMAKE_INSTALL_BINDIR}
       -P ${CMAKE_SOURCE_DIR}/tests/install/run.cmake)
-  set_tests_properties(install/consumer PROPERTIES TIMEOUT 300)
+  faceta_patience(seconds 300)
+  set_tests_properties(install/consumer PROPERTIES TIMEOUT ${seconds})
 endif()

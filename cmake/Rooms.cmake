@@ -20,6 +20,14 @@ function(faceta_room name)
   set_property(GLOBAL APPEND PROPERTY faceta_rooms ${name})
 endfunction()
 
+# Seconds that a test may take; sanitizers make programs slow.
+function(faceta_patience variable seconds)
+  if(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+    math(EXPR seconds "10 * ${seconds}")
+  endif()
+  set(${variable} ${seconds} PARENT_SCOPE)
+endfunction()
+
 # The unit tests of a room: tests/unit/<name>/*.cpp, data files beside them.
 function(faceta_room_tests name)
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/unit/${name}/*.cpp)
@@ -32,7 +40,9 @@ function(faceta_room_tests name)
       FACETA_SHARED_DATA="${CMAKE_SOURCE_DIR}/../shared/data")
     # What the tests of a room need beside their sources.
     include(${CMAKE_SOURCE_DIR}/tests/unit/${name}/tests.cmake OPTIONAL)
-    gtest_discover_tests(test_${name} TEST_PREFIX "${name}/" DISCOVERY_TIMEOUT 60
-      PROPERTIES TIMEOUT 900)
+    faceta_patience(discovery 60)
+    faceta_patience(seconds 900)
+    gtest_discover_tests(test_${name} TEST_PREFIX "${name}/" DISCOVERY_TIMEOUT ${discovery}
+      PROPERTIES TIMEOUT ${seconds})
   endif()
 endfunction()

@@ -44,7 +44,8 @@ void advise(const Block& block) {
   uintptr_t end = block.end / kHugePage * kHugePage;
   if (end <= begin)
     return;
-  void* memory = reinterpret_cast<void*>(begin);
+  // The kernel names the block as text: there is no pointer to take it from.
+  void* memory = reinterpret_cast<void*>(begin); // NOLINT(performance-no-int-to-ptr)
   if (madvise(memory, end - begin, MADV_HUGEPAGE) == 0)
     madvise(memory, end - begin, kCollapse);
 }

@@ -224,7 +224,7 @@ std::string difference(const std::optional<std::string>& there, const std::strin
       return {};
     if (more != others)
       return more ? "is too long" : "is cut short";
-    bool close = b.rfind(kValuesBegin, 0) == 0 && same_values(a, b);
+    bool close = b.starts_with(kValuesBegin) && same_values(a, b);
     if (a != b && !close)
       return fmt::format("is stale at line {}:\n  it says   {:.200}\n  should be {:.200}", line, a,
                          b);

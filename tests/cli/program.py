@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import os
 import struct
 import subprocess
 import sys
@@ -12,12 +13,13 @@ from pathlib import Path
 
 OK, CHECK_FAILED, USAGE, INPUT_ERROR = 0, 1, 2, 3
 PROGRAM = None
+TIMEOUT = int(os.environ.get("FACETA_TEST_TIMEOUT", 300)) - 50
 
 
 def run(*arguments, stdin=""):
     """The finished process, its output as text."""
     return subprocess.run(
-        [PROGRAM, *map(str, arguments)], input=stdin, capture_output=True, text=True, timeout=250
+        [PROGRAM, *map(str, arguments)], input=stdin, capture_output=True, text=True, timeout=TIMEOUT
     )
 
 
