@@ -222,14 +222,15 @@ T normal_slope(const T& x) {
 /// off at a, and y exp(-y^2) beyond a make up this density of y, and each has an inverse. The sign
 /// is then drawn with the odds (a + y) : (a - y)+.
 template <class T> struct BeckmannSlopes {
+  MaskOf<T> tilted; ///< else the view is from straight above, and any direction is along
   T z, r, inverse_z, inverse_r;
   T twice_area; ///< twice the projected area of the visible normals, 2 z + r ierfc(z / r)
   T along;      ///< the magnitude
 
   /// u in [0, 1); r2 = r^2.
   FACETA_INLINE BeckmannSlopes(const T& cosine, const T& r2, const T& u)
-      : z(max(cosine, T(1e-18))) {
-    T some_r2 = max(r2, T(1e-24)); // straight from above cot theta = inf
+      : tilted(r2 > T(1e-19)), z(max(cosine, T(1e-18))) {
+    T some_r2 = max(r2, T(1e-19)); // the product with z is a normal float
     r = sqrt(some_r2);
     T inverse = T(1) / (some_r2 * z); // both inverses from one division beside the root
     inverse_r = r * z * inverse, inverse_z = some_r2 * inverse;

@@ -142,9 +142,8 @@ template <class T> struct Microfacet {
                                                                 const More&... more) const {
     if (options.distribution == kGgx)
       return sample_cap(wo, u, T(1));
-    T r2 = roughness2_towards(wo);
-    BeckmannSlopes<T> slopes(wo.z, r2, u.x);
-    return turn(wo, r2, slopes, slopes.draw(u.y, more...));
+    BeckmannSlopes<T> slopes(wo.z, roughness2_towards(wo), u.x);
+    return turn(wo, slopes, slopes.draw(u.y, more...));
   }
   FACETA_INLINE T pdf_visible(const Vec3<T>& wo, const Vec3<T>& m) const {
     return density(m) * max(dot(wo, m), T(0)) / (length(m) * projected_area(wo));
@@ -214,20 +213,19 @@ private:
   };
 
   /// The normal whose slopes on the unit surface are x along and y across the direction of view.
-  FACETA_INLINE Vec3<T> turn(const Vec3<T>& wo, const T& r2, const BeckmannSlopes<T>& slopes,
+  FACETA_INLINE Vec3<T> turn(const Vec3<T>& wo, const BeckmannSlopes<T>& slopes,
                              const Vec2<T>& x) const {
-    T c = select(r2 > T(0), alpha_u * wo.x * slopes.inverse_r, T(1));
-    T s = alpha_v * wo.y * slopes.inverse_r;
+    T c = select(slopes.tilted, alpha_u * wo.x * slopes.inverse_r, T(1));
+    T s = select(slopes.tilted, alpha_v * wo.y * slopes.inverse_r, T(0));
     return {fma(x.x, alpha_u * c, -(x.y * (alpha_u * s))),
             fma(x.x, alpha_v * s, x.y * (alpha_v * c)), T(1)};
   }
 
   FACETA_INLINE ReflectedDirection<T> sample_beckmann_direction(const Vec3<T>& wo, const Vec2<T>& u,
                                                                 const T& third) const {
-    T r2 = roughness2_towards(wo);
-    BeckmannSlopes<T> slopes(wo.z, r2, u.x);
+    BeckmannSlopes<T> slopes(wo.z, roughness2_towards(wo), u.x);
     Vec2<T> x = slopes.draw(u.y, third);
-    Vec3<T> m = turn(wo, r2, slopes, x);
+    Vec3<T> m = turn(wo, slopes, x);
     T length2 = fma(m.x, m.x, fma(m.y, m.y, T(1)));
     T cosine = fma(wo.x, m.x, fma(wo.y, m.y, wo.z)), inverse_length2 = T(1) / length2;
     return {.wi = fma(m, T(2) * cosine * inverse_length2, -wo),

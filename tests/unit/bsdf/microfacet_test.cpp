@@ -289,5 +289,27 @@ TEST(Microfacet, RoughnessIsClamped) {
   EXPECT_EQ(s.alpha_v, 1e-4);
 }
 
+// A view so near the normal that the stretched direction has no azimuth left in float.
+TEST(BeckmannSlopes, SeenFromAlmostStraightAboveTheyKeepTheirSpread) {
+  const float alpha = 1e-4f;
+  Microfacet<float> surface({.distribution = kBeckmann}, alpha, alpha);
+  for (float x : {0.0f, 1e-12f, 1e-9f, 1e-7f, 1e-5f}) {
+    std::mt19937 engine(5);
+    std::uniform_real_distribution<double> uniform;
+    auto number = [&] { return float(std::floor(uniform(engine) * 0x1p24) * 0x1p-24); };
+    double along = 0, across = 0;
+    const int kCount = 40000;
+    for (int i = 0; i < kCount; ++i) {
+      Vec2<float> u{number(), number()};
+      Vec3<float> m = surface.sample_visible({x, 0, 1}, u, number());
+      along += std::pow(m.x / alpha, 2) / kCount;
+      across += std::pow(m.y / alpha, 2) / kCount;
+    }
+    // Variance 1/2, that of its estimate 1/2 / kCount.
+    EXPECT_NEAR(along, 0.5, 4 * std::sqrt(0.5 / kCount)) << x;
+    EXPECT_NEAR(across, 0.5, 4 * std::sqrt(0.5 / kCount)) << x;
+  }
+}
+
 } // namespace
 } // namespace faceta
