@@ -48,6 +48,22 @@ template <class T, int N> FACETA_INLINE T polynomial(const T& x, const float (&c
     sum = fma(sum, x, T(c[i]));
   return sum;
 }
+/// The same with coefficients of each lane's own: c[k][segment mod Segments] x^k; 16 or 32
+/// segments.
+template <class T, int N, int Segments>
+FACETA_INLINE T polynomial(const T& x, const float (&c)[N][Segments], const IntOf<T>& segment) {
+  static_assert(Segments == 16 || Segments == 32);
+  auto coefficient = [&](int k) FACETA_INLINE_LAMBDA {
+    if constexpr (Segments == 16)
+      return entry16<T>(c[k], segment);
+    else
+      return entry32<T>(c[k], segment);
+  };
+  T sum = coefficient(N - 1);
+  for (int k = N - 2; k >= 0; --k)
+    sum = fma(sum, x, coefficient(k));
+  return sum;
+}
 
 /// 2^n for an integer n in [-126, 127].
 template <SinglePrecision T> FACETA_INLINE T power_of_two(const IntOf<T>& n) {

@@ -67,11 +67,7 @@ FACETA_INLINE T quartic_on_segments(const float (&c)[5][16], const T& a) {
   T position = T(4) * min(a, T(3.8f));
   // Rounds to an integer in the low bits of a float.
   T shifted = position + T(12582912.0f), t = position - (shifted - T(12582912.0f));
-  IntOf<T> n = float_bits(shifted);
-  T sum = entry16<T>(c[4], n);
-  for (int k = 3; k >= 0; --k)
-    sum = fma(sum, t, entry16<T>(c[k], n));
-  return sum;
+  return polynomial(t, c, float_bits(shifted));
 }
 /// The same to 4e-7 absolute.
 template <SinglePrecision T> FACETA_INLINE T ierfc(const T& a) {
@@ -188,10 +184,7 @@ alignas(64) inline constexpr float kErfinvOctaves[7][32] = {
 template <SinglePrecision T> FACETA_INLINE T erfinv_of_complement(const T& v) {
   IntOf<T> bits = float_bits(v), octave = bits >> 23;
   T t = bits_float((bits & IntOf<T>(0x007fffff)) | IntOf<T>(0x3f800000)) - T(1.5f);
-  T sum = entry32<T>(kErfinvOctaves[6], octave);
-  for (int k = 5; k >= 0; --k)
-    sum = fma(sum, t, entry32<T>(kErfinvOctaves[k], octave));
-  return sum;
+  return polynomial(t, kErfinvOctaves, octave);
 }
 /// erfinv(x), x in [0, 1), where `body` is set, sqrt(-log(tail)) elsewhere.
 template <SinglePrecision T>

@@ -88,11 +88,13 @@ template <class T> FACETA_INLINE Vec3<T> reflect(const Vec3<T>& w, const Vec3<T>
   return fma(h, T(2) * dot(w, h), -w);
 }
 
+/// Samples of less density fail: below the normal floats 1 / pdf would overflow.
+inline constexpr double kSmallestDensity = 1.2e-38;
+
 /// value / pdf where the density is positive, and both cleared where it is not: the common end of
 /// every non-delta sample().
 template <class T> FACETA_INLINE void finish_sample(Sample<T>& s, const Eval<T>& e) {
-  // Below the normal floats 1 / pdf would overflow.
-  auto ok = s.valid & (e.pdf > T(1.2e-38));
+  auto ok = s.valid & (e.pdf > T(kSmallestDensity));
   s.valid = ok;
   s.pdf = select(ok, e.pdf, T(0));
   s.value = select(ok, e.value, Color<T>(T(0)));

@@ -22,7 +22,7 @@ namespace faceta {
 /// How many rows `static constexpr std::array<int, choices> kUsualChoices[]` a model has: choices
 /// and flags, in the order of describe(), for which samples are drawn by code of their own. Such a
 /// model has sample() in two steps: sample_direction(wo, random, context) and weigh(wo, what that
-/// returned, context).
+/// returned, context). One that derives from it with a sample() of its own sets kUsualChoices = 0.
 template <class M> constexpr int usual_choices() {
   if constexpr (requires { std::size(M::kUsualChoices); })
     return static_cast<int>(std::size(M::kUsualChoices));

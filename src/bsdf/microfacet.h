@@ -14,36 +14,32 @@ namespace faceta {
 
 namespace detail {
 
-/// k exp(-s) for s >= 0.
-template <class T> FACETA_INLINE T times_exp_minus(const T& k, const T& s) {
-  return k * exp(-s);
-}
-/// The same without what exp() does for arguments that do not occur here; 1 ulp.
-template <SinglePrecision T> FACETA_INLINE T times_exp_minus(const T& k, const T& s) {
-  T x = min(s, T(130));
-  // Rounds x log2 e to an integer in the low bits of a float.
-  T shifted = fma(x, T(-1.44269504f), T(12582912.0f)), n = shifted - T(12582912.0f);
-  T r = fma(n, T(-1.42860677e-6f), fma(n, T(-0.693145752f), -x));
-  constexpr float c[] = {0.500000001f,  0.166666668f,   0.0416664645f,
-                         0.0083332859f, 0.00139337018f, 0.000199076563f};
-  T p = fma(polynomial(r, c), r * r, r) + T(1);
-  // 2^64 too large until the end: results may be smaller than the smallest normal number.
-  T scaled = bits_float(float_bits(p) + (float_bits(shifted) << 23) + IntOf<T>(64 << 23));
-  scaled = select(s < T(130), scaled, T(0));
-  return k * scaled * T(0x1p-64f);
-}
-
-/// exp(-s) for s in [0, 87], the magnitudes of sampled slopes.
-template <class T> FACETA_INLINE T exp_minus(const T& s) {
+/// exp(-s) for s in [0, 87].
+template <class T>
+  requires(!SinglePrecision<T>)
+T exp_minus(const T& s) {
   return exp(-s);
 }
-template <SinglePrecision T> FACETA_INLINE T exp_minus(const T& s) {
+/// 2^Raised exp(-s) while that is a normal number, without what exp() does for arguments that do
+/// not occur here; 1 ulp.
+template <int Raised = 0, SinglePrecision T> FACETA_INLINE T exp_minus(const T& s) {
+  // Rounds s log2 e to an integer in the low bits of a float.
   T shifted = fma(s, T(-1.44269504f), T(12582912.0f)), n = shifted - T(12582912.0f);
   T r = fma(n, T(-1.42860677e-6f), fma(n, T(-0.693145752f), -s));
   constexpr float c[] = {0.500000001f,  0.166666668f,   0.0416664645f,
                          0.0083332859f, 0.00139337018f, 0.000199076563f};
   T p = fma(polynomial(r, c), r * r, r) + T(1);
-  return bits_float(float_bits(p) + (float_bits(shifted) << 23));
+  return bits_float(float_bits(p) + (float_bits(shifted) << 23) + IntOf<T>(Raised << 23));
+}
+
+/// k exp(-s) for s >= 0.
+template <class T> FACETA_INLINE T times_exp_minus(const T& k, const T& s) {
+  return k * exp(-s);
+}
+template <SinglePrecision T> FACETA_INLINE T times_exp_minus(const T& k, const T& s) {
+  // 2^64 too large until the end: results may be smaller than the smallest normal number.
+  T raised = select(s < T(130), exp_minus<64>(min(s, T(130))), T(0));
+  return k * raised * T(0x1p-64f);
 }
 
 } // namespace detail
@@ -136,47 +132,43 @@ template <class T> struct Microfacet {
   }
   FACETA_INLINE T pdf_all(const Vec3<T>& m) const { return density(m) * m.z / length(m); }
 
-  /// A normal distributed as D(m) max(0, wo.m) / projected_area(wo). Any length. `more`: nothing,
-  /// or a third independent number, which saves time with Beckmann.
-  template <class... More> FACETA_INLINE Vec3<T> sample_visible(const Vec3<T>& wo, const Vec2<T>& u,
-                                                                const More&... more) const {
+  /// A normal distributed as D(m) max(0, wo.m) / projected_area(wo). Any length.
+  FACETA_INLINE Vec3<T> sample_visible(const Vec3<T>& wo, const Vec2<T>& u) const {
     if (options.distribution == kGgx)
       return sample_cap(wo, u, T(1));
     BeckmannSlopes<T> slopes(wo.z, roughness2_towards(wo), u.x);
-    return turn(wo, slopes, slopes.draw(u.y, more...));
+    return turn(wo, slopes, slopes.draw(u.y));
   }
   FACETA_INLINE T pdf_visible(const Vec3<T>& wo, const Vec3<T>& m) const {
     return density(m) * max(dot(wo, m), T(0)) / (length(m) * projected_area(wo));
   }
 
   /// A normal by the chosen rule, and the density it has.
-  template <class... More> FACETA_INLINE Vec3<T> sample_normal(const Vec3<T>& wo, const Vec2<T>& u,
-                                                               const More&... more) const {
-    return options.sample_visible ? sample_visible(wo, u, more...) : sample_all(u);
+  FACETA_INLINE Vec3<T> sample_normal(const Vec3<T>& wo, const Vec2<T>& u) const {
+    return options.sample_visible ? sample_visible(wo, u) : sample_all(u);
   }
   FACETA_INLINE T pdf_normal(const Vec3<T>& wo, const Vec3<T>& m) const {
     return options.sample_visible ? pdf_visible(wo, m) : pdf_all(m);
   }
 
   /// Samples the direction that the chosen normals reflect wo to; may fall below the surface (a
-  /// failure, part of reflection()'s density). `more` as in sample_visible().
-  template <class... More> FACETA_INLINE Vec3<T>
-  sample_reflection(const Vec3<T>& wo, const Vec2<T>& u, const More&... more) const {
+  /// failure, part of reflection()'s density).
+  FACETA_INLINE Vec3<T> sample_reflection(const Vec3<T>& wo, const Vec2<T>& u) const {
     Vec3<T> m = options.sample_visible && options.distribution == kGgx
                     ? sample_cap(wo, u, cap_bound(wo))
-                    : sample_normal(wo, u, more...);
+                    : sample_normal(wo, u);
     T scale = T(2) * dot(wo, m) / max(dot(m, m), T(1e-37));
     return fma(m, scale, -wo);
   }
 
   /// The same in two steps, of which the second weighs the direction: cheaper than reflection().
-  /// `third`: a third independent number.
+  /// `third`: a third independent number, which saves Beckmann's normals a division.
   FACETA_INLINE ReflectedDirection<T> sample_direction(const Vec3<T>& wo, const Vec2<T>& u,
                                                        const T& third) const {
     if (options.distribution == kBeckmann && options.sample_visible)
       return sample_beckmann_direction(wo, u, third);
     ReflectedDirection<T> d;
-    d.wi = sample_reflection(wo, u, third);
+    d.wi = sample_reflection(wo, u);
     return d;
   }
   FACETA_INLINE WeighedReflection<T> weigh(const Vec3<T>& wo,

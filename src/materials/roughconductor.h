@@ -152,7 +152,7 @@ template <class T> struct RoughConductor {
       return s;
     }
     WeighedReflection<T> r = surface_.weigh(wo, d);
-    s.valid = s.valid & (r.pdf > T(1.2e-38));
+    s.valid = s.valid & (r.pdf > T(kSmallestDensity));
     s.pdf = select(s.valid, r.pdf, T(0));
     s.weight =
         specular_reflectance * indices_.reflectance(r.cos2_h) * select(s.valid, r.weight, T(0));

@@ -35,11 +35,8 @@ alignas(64) inline constexpr float kSrgbSegments[5][16] = {
 /// The linear value of a byte of sRGB.
 template <class T> FACETA_INLINE T decode_srgb(const IntOf<T>& byte) {
   using I = IntOf<T>;
-  I segment = byte >> 4, rest = byte & I(15);
-  T t = to_float(rest), sum = entry16<T>(kSrgbSegments[4], segment);
-  for (int k = 3; k >= 0; --k)
-    sum = fma(sum, t, entry16<T>(kSrgbSegments[k], segment));
-  return select(byte < I(11), t * T(1 / (255 * 12.92)), sum);
+  T t = to_float(byte & I(15)), curve = polynomial(t, kSrgbSegments, byte >> 4);
+  return select(byte < I(11), t * T(1 / (255 * 12.92)), curve);
 }
 
 /// Wraps a texel coordinate into [0, size).

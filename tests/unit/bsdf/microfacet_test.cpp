@@ -301,7 +301,7 @@ TEST(BeckmannSlopes, SeenFromAlmostStraightAboveTheyKeepTheirSpread) {
     const int kCount = 40000;
     for (int i = 0; i < kCount; ++i) {
       Vec2<float> u{number(), number()};
-      Vec3<float> m = surface.sample_visible({x, 0, 1}, u, number());
+      Vec3<float> m = surface.sample_visible({x, 0, 1}, u);
       along += std::pow(m.x / alpha, 2) / kCount;
       across += std::pow(m.y / alpha, 2) / kCount;
     }
