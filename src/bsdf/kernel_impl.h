@@ -118,7 +118,8 @@ template <template <class> class Model> struct KernelOf {
       return false;
     }
   }
-  static FACETA_SCHEDULED FACETA_FLATTEN void sample(const MaterialArgs& a, const SampleArrays& s, int n) {
+  static FACETA_SCHEDULED FACETA_FLATTEN void sample(const MaterialArgs& a, const SampleArrays& s,
+                                                     int n) {
     if (shared(a) && n > kWidthOf<T> && sample_usual(a, s, n))
       return;
     for_groups(a, n, [&](const Model<T>& m, int i) { sample_at(m, a, s, i); });
