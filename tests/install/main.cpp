@@ -3,7 +3,7 @@
 #include <faceta/bsdf/columns.h>
 
 namespace faceta::consumer {
-std::vector<Model> own_models();
+std::vector<Model> consumer_models();
 }
 
 namespace {
@@ -11,7 +11,7 @@ namespace {
 /// The project's own material in double precision and by every kernel that this machine runs.
 void show_dust() {
   using namespace faceta;
-  Registry::global().add(consumer::own_models(), MODULES, "own");
+  Registry::global().add(consumer::consumer_models(), MODULES, "consumer");
   Parameters dust(Registry::global().get("dust"));
   Eval<double> e = dust.model().eval(dust.record(), {{0, 0, 1}, {0.6, 0, 0.8}});
   std::printf("dust double: %.5f, pdf %.5f\n", e.value[1], e.pdf);
