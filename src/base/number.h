@@ -14,9 +14,27 @@
 #include <cstring>
 #include <type_traits>
 
+// Whole models in one function, as speed demands, take a quarter of an hour to compile with the
+// checks of a sanitizer in it, and seconds as functions that call each other.
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define FACETA_SANITIZED
+#endif
+#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define FACETA_SANITIZED
+#endif
+
+#ifdef FACETA_SANITIZED
+#define FACETA_INLINE inline
+#define FACETA_INLINE_LAMBDA
+#define FACETA_FLATTEN
+#else
 #define FACETA_INLINE inline __attribute__((always_inline))
 /// After the parameters of a lambda: its body goes where it is called.
 #define FACETA_INLINE_LAMBDA __attribute__((always_inline))
+/// All that a function calls is inlined into it: a model travels in registers only so.
+#define FACETA_FLATTEN __attribute__((flatten))
+#endif
 #define FACETA_NOINLINE __attribute__((noinline))
 
 namespace faceta {

@@ -10,10 +10,8 @@
 
 namespace faceta {
 
-// A model travels in registers only if everything is inlined into the loop, describe() included.
-#define FACETA_FLATTEN __attribute__((flatten))
 // Instructions are scheduled before registers are given out where that is known to pay.
-#ifdef __clang__
+#if defined(__clang__) || defined(FACETA_SANITIZED)
 #define FACETA_SCHEDULED
 #else
 #define FACETA_SCHEDULED __attribute__((optimize("schedule-insns", "sched-pressure")))
