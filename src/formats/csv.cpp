@@ -435,7 +435,7 @@ void run_blocks(BlockReader& reader, const Transform& transform,
                                          } catch (const Error& error) {
                                            reading = error;
                                          }
-                                         happens_before::publish(&stopped);
+                                         happens_before::publish(&reader);
                                          if (!block) {
                                            control.stop();
                                            return BlockPointer();
@@ -446,7 +446,7 @@ void run_blocks(BlockReader& reader, const Transform& transform,
   tbb::filter<BlockPointer, WorkPointer> run(tbb::filter_mode::parallel,
                                              [&](const BlockPointer& block) {
                                                WorkPointer work = transform.run(*block);
-                                               happens_before::publish(&stopped);
+                                               happens_before::publish(&reader);
                                                return work;
                                              });
   tbb::filter<WorkPointer, void> append(tbb::filter_mode::serial_in_order,
@@ -460,11 +460,11 @@ void run_blocks(BlockReader& reader, const Transform& transform,
                                             row = row ? row : error;
                                             stopped = true;
                                           }
-                                          happens_before::publish(&stopped);
+                                          happens_before::publish(&reader);
                                         });
   size_t tokens = 2 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()) + 2;
   tbb::parallel_pipeline(tokens, read & run & append);
-  happens_before::receive(&stopped);
+  happens_before::receive(&reader);
   if (row || reading)
     throw row ? *row : *reading;
 }

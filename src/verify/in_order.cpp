@@ -14,10 +14,10 @@ void run_in_order(size_t count, const std::function<void(size_t)>& task) {
       [&](const tbb::blocked_range<size_t>& range) {
         for (size_t i = range.begin(); i != range.end(); ++i)
           task(next++);
-        happens_before::publish(&next);
+        happens_before::publish(&task);
       },
       tbb::simple_partitioner());
-  happens_before::receive(&next);
+  happens_before::receive(&task);
 }
 
 } // namespace faceta

@@ -270,7 +270,9 @@ Difference difference_of(const double (&f)[5], double h) {
   double noise = 2e-14 * std::abs(f[2]) / h;
   bool kink =
       std::abs(bend_narrow - 0.5 * bend) > 1e-3 * std::abs(bend) + 1e-7 * std::abs(value) + noise;
-  return {value, std::abs(value - narrow) + noise, kink};
+  // A kink too slight to be told from curvature changes the slope by no more than this.
+  double slight = std::abs(2 * bend_narrow - bend);
+  return {value, std::abs(value - narrow) + slight + noise, kink};
 }
 
 struct DerivativeTally {
