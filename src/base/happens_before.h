@@ -1,18 +1,12 @@
 #pragma once
 
+#include "base/sanitizers.h"
+
 /// Tells ThreadSanitizer of an order that it cannot see: TBB's library is not instrumented, so that
 /// what its threads have written looks like a race to the thread that waited for them. Everything
 /// before publish(token) in one thread happens before everything after receive(token), the same
 /// address, in another. The address of no atomic, whose stores would make it forget. Neither
 /// synchronises anything; in other builds they are nothing.
-
-#if defined(__SANITIZE_THREAD__)
-#define FACETA_THREAD_SANITIZER 1
-#elif defined(__has_feature)
-#if __has_feature(thread_sanitizer)
-#define FACETA_THREAD_SANITIZER 1
-#endif
-#endif
 
 #if defined(FACETA_THREAD_SANITIZER)
 extern "C" void __tsan_acquire(void* address); // NOLINT(bugprone-reserved-identifier): its name

@@ -8,6 +8,8 @@
 /// select(mask, a, b). float and Lanes give the same bits: every operation here is either exact by
 /// IEEE 754 (+ - * / sqrt fma) or defined bit by bit, and nothing is contracted behind our back.
 
+#include "base/sanitizers.h"
+
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -16,14 +18,6 @@
 
 // Whole models in one function, as speed demands, take a quarter of an hour to compile with the
 // checks of a sanitizer in it, and seconds as functions that call each other.
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define FACETA_SANITIZED
-#endif
-#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define FACETA_SANITIZED
-#endif
-
 #ifdef FACETA_SANITIZED
 #define FACETA_INLINE inline
 #define FACETA_INLINE_LAMBDA
