@@ -306,6 +306,38 @@ template <> struct Memory<Lanes> {
   static FACETA_INLINE Lanes gather(const float* base, LaneInt index) {
     return hn::GatherIndex(LaneTag(), base, index.v);
   }
+  // Loads and shuffles: gathers are slow on current CPUs.
+  static FACETA_INLINE Neighbours<Lanes> gather_pair(const float* base, LaneInt index) {
+#if FACETA_LANE_WIDTH >= 8
+    alignas(64) int32_t at[FACETA_LANE_WIDTH];
+    hn::Store(index.v, LaneIntTag(), at);
+    auto two = [&](int i) FACETA_INLINE_LAMBDA {
+      auto at_pair = [&](int k) { return reinterpret_cast<const __m128i*>(base + at[k]); };
+      return _mm_unpacklo_epi64(_mm_loadl_epi64(at_pair(i)), _mm_loadl_epi64(at_pair(i + 1)));
+    };
+#if FACETA_LANE_WIDTH == 16
+    auto eight = [&](int i) FACETA_INLINE_LAMBDA { // lanes i, i + 1 and every fourth after them
+      __m512i r = _mm512_castsi128_si512(two(i));
+      r = _mm512_inserti32x4(r, two(i + 4), 1);
+      r = _mm512_inserti32x4(r, two(i + 8), 2);
+      return _mm512_castsi512_ps(_mm512_inserti32x4(r, two(i + 12), 3));
+    };
+    __m512 a = eight(0), b = eight(2);
+    return {Lanes(Lanes::Vector{_mm512_shuffle_ps(a, b, 0x88)}),
+            Lanes(Lanes::Vector{_mm512_shuffle_ps(a, b, 0xdd)})};
+#else
+    auto four = [&](int i) FACETA_INLINE_LAMBDA { // lanes i, i + 1, i + 4, i + 5
+      return _mm256_castsi256_ps(
+          _mm256_inserti128_si256(_mm256_castsi128_si256(two(i)), two(i + 4), 1));
+    };
+    __m256 a = four(0), b = four(2);
+    return {Lanes(Lanes::Vector{_mm256_shuffle_ps(a, b, 0x88)}),
+            Lanes(Lanes::Vector{_mm256_shuffle_ps(a, b, 0xdd)})};
+#endif
+#else
+    return {gather(base, index), gather(base, index + LaneInt(1))};
+#endif
+  }
   // Permutations of registers, which take a fraction of a gather's time.
   static FACETA_INLINE Lanes entry16(const float* table, LaneInt index) {
 #if FACETA_LANE_WIDTH == 16
@@ -348,6 +380,12 @@ FACETA_INLINE void compress_store(float* p, Lanes a, LaneMask m) {
 }
 FACETA_INLINE void compress_store(int32_t* p, LaneInt a, LaneMask m) {
   hn::StoreU(hn::Compress(a.v, hn::RebindMask(LaneIntTag(), m.m)), LaneIntTag(), p);
+}
+FACETA_INLINE void store_pairs(float* p, Lanes a, Lanes b) {
+  hn::StoreInterleaved2(a.v, b.v, LaneTag(), p);
+}
+FACETA_INLINE void compress_store_pairs(float* p, Lanes a, Lanes b, LaneMask m) {
+  hn::StoreInterleaved2(hn::Compress(a.v, m.m), hn::Compress(b.v, m.m), LaneTag(), p);
 }
 template <> FACETA_INLINE LaneInt iota<Lanes>() {
   return hn::Iota(LaneIntTag(), 0);

@@ -168,10 +168,18 @@ FACETA_INLINE float to_float(int32_t a) {
   return static_cast<float>(a);
 }
 
+/// Two neighbours in memory.
+template <class T> struct Neighbours {
+  T first, second;
+};
+
 // Memory. Lane arrays are float/int32 arrays of NumberTraits<T>::kWidth consecutive values.
 template <class T> struct Memory {
   static T load(const float* p) { return T(*p); }
   static T gather(const float* base, int32_t index) { return T(base[index]); }
+  static Neighbours<T> gather_pair(const float* base, int32_t index) {
+    return {T(base[index]), T(base[index + 1])};
+  }
   static T entry16(const float* table, int32_t index) { return T(table[index & 15]); }
   static T entry32(const float* table, int32_t index) { return T(table[index & 31]); }
   static int32_t load_int(const int32_t* p) { return *p; }
@@ -182,6 +190,10 @@ template <class T> FACETA_INLINE T load(const float* p) {
 }
 template <class T> FACETA_INLINE T gather(const float* base, IntOf<T> index) {
   return Memory<T>::gather(base, index);
+}
+/// base[index] and base[index + 1], for less than one gather costs.
+template <class T> FACETA_INLINE Neighbours<T> gather_pair(const float* base, IntOf<T> index) {
+  return Memory<T>::gather_pair(base, index);
 }
 /// table[index mod 16].
 template <class T> FACETA_INLINE T entry16(const float* table, IntOf<T> index) {
@@ -209,6 +221,15 @@ FACETA_INLINE void compress_store(float* p, float a, bool) {
 }
 FACETA_INLINE void compress_store(int32_t* p, int32_t a, bool) {
   *p = a;
+}
+/// Writes a and b of each lane side by side.
+FACETA_INLINE void store_pairs(float* p, float a, float b) {
+  p[0] = a;
+  p[1] = b;
+}
+/// store_pairs() of the lanes whose mask is set; may overwrite up to two full widths after them.
+FACETA_INLINE void compress_store_pairs(float* p, float a, float b, bool) {
+  store_pairs(p, a, b);
 }
 /// 0, 1, 2, ... across the lanes.
 template <class T> FACETA_INLINE IntOf<T> iota() {

@@ -29,12 +29,16 @@ template <class T> struct Table {
   IntOf<T> offset{0};
 
   FACETA_INLINE T at(const IntOf<T>& i) const { return gather<T>(base, offset + i); }
+  /// From entry i (t = 0) to the next (t = 1).
+  FACETA_INLINE T between(const IntOf<T>& i, const T& t) const {
+    Neighbours<T> ends = gather_pair<T>(base, offset + i);
+    return lerp(ends.first, ends.second, t);
+  }
   /// Linear interpolation of `size` equidistant values over [0, 1].
   FACETA_INLINE T interpolate(const T& x, int size) const {
     T position = clamp01(x) * T(float(size - 1));
     T whole = min(floor(position), T(float(size - 2)));
-    IntOf<T> i = to_int(whole);
-    return lerp(at(i), at(i + IntOf<T>(1)), position - whole);
+    return between(to_int(whole), position - whole);
   }
 };
 

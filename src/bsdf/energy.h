@@ -135,16 +135,16 @@ private:
     T rough[2];
     for (int k = 0; k < 2; ++k) {
       IntOf<T> j = i + IntOf<T>(k * Layout::kSlice);
-      T near = lerp(table_.at(j), table_.at(j + IntOf<T>(1)), x - xi);
+      T near = table_.between(j, x - xi);
       j = j + IntOf<T>(Layout::kInclinations);
-      T far = lerp(table_.at(j), table_.at(j + IntOf<T>(1)), x - xi);
+      T far = table_.between(j, x - xi);
       rough[k] = lerp(near, far, y - yi);
     }
     return lerp(rough[0], rough[1], fraction_);
   }
   FACETA_INLINE T mean_in(const IntOf<T>& part) const {
     IntOf<T> i = part + IntOf<T>(Layout::kMeans) + index_;
-    return lerp(table_.at(i), table_.at(i + IntOf<T>(1)), fraction_);
+    return table_.between(i, fraction_);
   }
 };
 

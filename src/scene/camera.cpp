@@ -15,7 +15,6 @@ using namespace double3;
 namespace {
 
 // A power of two: the kernels search by halving.
-constexpr int kCells = 64;
 constexpr int kStepsPerCell = 32;
 
 void check_camera(const CameraDesc& camera, const FilmDesc& film) {
@@ -81,7 +80,7 @@ CameraView make_camera(const CameraDesc& camera, const FilmDesc& film) {
 
 FilterTable::FilterTable(const FilterDesc& desc) {
   if (desc.type == FilterType::box) {
-    cdf.assign(1 + kLanePadding, 0.0f);
+    share.assign(1, 1.0f);
     return;
   }
   bool tent = desc.type == FilterType::tent;
@@ -89,22 +88,20 @@ FilterTable::FilterTable(const FilterDesc& desc) {
   if (!(radius > 0) || !std::isfinite(radius))
     throw Error(tent ? "the radius of the tent filter must be greater than 0"
                      : "stddev of the gaussian filter must be greater than 0");
-  cells = kCells;
+  cells = kFilterCells;
   std::vector<double> sums{0};
   for (int i = 0; i < cells; ++i) {
     double cell = 0; // midpoint rule
     for (int k = 0; k < kStepsPerCell; ++k)
-      cell +=
-          filter_value(desc, radius, radius * (2 * (i + (k + 0.5) / kStepsPerCell) / cells - 1));
+      cell += filter_value(desc, radius, radius * (i + (k + 0.5) / kStepsPerCell) / cells);
     sums.push_back(sums.back() + cell);
   }
-  cdf.resize(cells + 1 + kLanePadding, 1.0f);
-  for (int i = 0; i <= cells; ++i)
-    cdf[i] = static_cast<float>(sums[i] / sums.back());
+  for (double sum : sums)
+    share.push_back(static_cast<float>(sum / sums.back()));
 }
 
 FilterView FilterTable::view() const {
-  return {static_cast<float>(radius), cells, cdf.data()};
+  return {static_cast<float>(radius), cells, share.data()};
 }
 
 } // namespace faceta

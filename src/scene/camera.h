@@ -10,14 +10,14 @@ namespace faceta {
 /// Throws Error for angles, planes, sizes, crops or matrices that make no camera.
 CameraView make_camera(const CameraDesc& camera, const FilmDesc& film);
 
-/// A filter and its cumulated values, which the view points into.
+/// A filter and its cumulated shares, which the view points into.
 struct FilterTable {
   explicit FilterTable(const FilterDesc& desc);
   FilterView view() const;
 
   double radius = 0.5;
   int cells = 0;
-  std::vector<float> cdf;
+  std::vector<float> share;
 };
 
 } // namespace faceta

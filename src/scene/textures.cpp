@@ -16,15 +16,11 @@ constexpr int64_t kMaxFloatTexels = int64_t(1) << 29;
 constexpr int kMaxNesting = 8;
 
 int tiles(int size) {
-  return (size + 3) / 4;
+  return (size + kTileStep - 1) / kTileStep;
 }
 
 size_t tile_texels(const Bitmap& b) {
-  return size_t(tiles(b.width)) * size_t(tiles(b.height)) * 16;
-}
-
-size_t texel_index(int x, int y, int tiles_x) {
-  return (size_t(y >> 2) * size_t(tiles_x) + size_t(x >> 2)) * 16 + size_t((y & 3) * 4 + (x & 3));
+  return size_t(tiles(b.width)) * size_t(tiles(b.height)) * kTileTexels;
 }
 
 /// Which channels hold red, green, blue and alpha (-1: none).
@@ -85,78 +81,98 @@ std::vector<float> decoding_table(const Bitmap& b, bool decode) {
   return table;
 }
 
-/// Fetches linear values of any bitmap, with the power function tabulated.
+/// Reads the texels of any bitmap, with the power function tabulated.
 class Reader {
 public:
-  Reader(const Bitmap& b, bool raw) : bitmap_(b) {
+  Reader(const Bitmap& b, bool raw) : bitmap_(b), map_(map_channels(b)) {
     if (b.type == Bitmap::Type::u8 || b.type == Bitmap::Type::u16)
       table_ = decoding_table(b, b.srgb_encoded && !raw);
   }
-  float operator()(int x, int y, int channel) const {
-    const Bitmap& b = bitmap_;
-    size_t i = (size_t(y) * size_t(b.width) + size_t(x)) * size_t(b.channels) + size_t(channel);
-    if (b.type == Bitmap::Type::u8)
-      return table_[b.bytes[i]];
-    if (b.type == Bitmap::Type::u16) {
-      uint16_t code;
-      std::memcpy(&code, &b.bytes[2 * i], 2);
-      return table_[code];
-    }
-    return b.linear(x, y, channel);
+
+  /// Linear RGB. Throws Error where it is not finite.
+  std::array<double, 3> operator()(int x, int y) const {
+    std::array<double, 3> rgb;
+    for (int c = 0; c < 3; ++c)
+      rgb[c] = linear(x, y, map_.rgb[c]);
+    if (map_.xyz)
+      rgb = xyz_to_rgb(rgb);
+    for (double v : rgb)
+      if (!std::isfinite(v))
+        throw Error("the bitmap of a texture holds a value that is not finite");
+    return rgb;
+  }
+  float alpha(int x, int y) const {
+    return map_.alpha < 0 ? 1.0f : bitmap_.linear(x, y, map_.alpha);
+  }
+  /// The bytes R | G << 8 | B << 16 | A << 24.
+  uint32_t packed(int x, int y) const {
+    const uint8_t* from = &bitmap_.bytes[index(x, y, 0)];
+    uint32_t alpha = map_.alpha < 0 ? 255 : from[map_.alpha];
+    return uint32_t(from[map_.rgb[0]]) | uint32_t(from[map_.rgb[1]]) << 8 |
+           uint32_t(from[map_.rgb[2]]) << 16 | alpha << 24;
   }
 
 private:
   const Bitmap& bitmap_;
+  ChannelMap map_;
   std::vector<float> table_;
-};
 
-float linear_alpha(const Bitmap& b, int x, int y, int channel) {
-  return channel < 0 ? 1.0f : b.linear(x, y, channel);
-}
+  size_t index(int x, int y, int channel) const {
+    return (size_t(y) * size_t(bitmap_.width) + size_t(x)) * size_t(bitmap_.channels) +
+           size_t(channel);
+  }
+  float linear(int x, int y, int channel) const {
+    size_t i = index(x, y, channel);
+    if (bitmap_.type == Bitmap::Type::u8)
+      return table_[bitmap_.bytes[i]];
+    if (bitmap_.type == Bitmap::Type::u16) {
+      uint16_t code;
+      std::memcpy(&code, &bitmap_.bytes[2 * i], 2);
+      return table_[code];
+    }
+    return bitmap_.linear(x, y, channel);
+  }
+};
 
 } // namespace
 
 const TextureStore::Texels& TextureStore::convert(const std::shared_ptr<const Bitmap>& bitmap,
-                                                  bool raw) {
+                                                  bool raw, bool repeats) {
   for (const auto& t : texels_)
-    if (t->raw == raw && t->source.lock() == bitmap)
+    if (t->raw == raw && t->repeats == repeats && t->source.lock() == bitmap)
       return *t;
   const Bitmap& b = *bitmap;
   check_bitmap(b);
-  ChannelMap map = map_channels(b);
   auto texels = std::make_unique<Texels>();
   texels->source = bitmap;
   texels->raw = raw;
+  texels->repeats = repeats;
   bool bytes = b.type == Bitmap::Type::u8;
   if (bytes)
     texels->packed.assign(tile_texels(b) + kLanePadding, 0);
   else
     texels->rgba.assign(4 * tile_texels(b) + kLanePadding, 0.0f);
   Reader read(b, raw);
-  int tiles_x = tiles(b.width);
+  auto within = [&](int i, int size) { return repeats ? i % size : std::min(i, size - 1); };
+  int tiles_x = tiles(b.width), tiles_y = tiles(b.height);
+  size_t to = 0;
   std::array<double, 3> sum{};
-  for (int y = 0; y < b.height; ++y)
-    for (int x = 0; x < b.width; ++x) {
-      size_t to = texel_index(x, y, tiles_x);
-      std::array<double, 3> rgb;
+  for (int tile = 0; tile < tiles_x * tiles_y; ++tile)
+    for (int k = 0; k < kTileTexels; ++k, ++to) {
+      int i = k % kTileSide, j = k / kTileSide;
+      int x = tile % tiles_x * kTileStep + i, y = tile / tiles_x * kTileStep + j;
+      bool own = i < kTileStep && j < kTileStep && x < b.width && y < b.height;
+      x = within(x, b.width);
+      y = within(y, b.height);
+      std::array<double, 3> rgb = read(x, y);
       for (int c = 0; c < 3; ++c)
-        rgb[c] = read(x, y, map.rgb[c]);
-      if (map.xyz)
-        rgb = xyz_to_rgb(rgb);
-      for (int c = 0; c < 3; ++c) {
-        if (!std::isfinite(rgb[c]))
-          throw Error("the bitmap of a texture holds a value that is not finite");
-        sum[c] += rgb[c];
-      }
+        sum[c] += own ? rgb[c] : 0;
       if (bytes) {
-        const uint8_t* from = &b.bytes[(size_t(y) * size_t(b.width) + size_t(x)) * b.channels];
-        uint32_t alpha = map.alpha < 0 ? 255 : from[map.alpha];
-        texels->packed[to] = uint32_t(from[map.rgb[0]]) | uint32_t(from[map.rgb[1]]) << 8 |
-                             uint32_t(from[map.rgb[2]]) << 16 | alpha << 24;
+        texels->packed[to] = read.packed(x, y);
       } else {
         for (int c = 0; c < 3; ++c)
           texels->rgba[4 * to + c] = static_cast<float>(rgb[c]);
-        texels->rgba[4 * to + 3] = linear_alpha(b, x, y, map.alpha);
+        texels->rgba[4 * to + 3] = read.alpha(x, y);
       }
     }
   for (int c = 0; c < 3; ++c)
@@ -169,7 +185,7 @@ void TextureStore::add_bitmap(const TextureDesc& desc, TextureView& view,
                               std::array<double, 3>& mean) {
   if (!desc.bitmap)
     throw Error("a bitmap texture has no bitmap");
-  const Texels& texels = convert(desc.bitmap, desc.raw);
+  const Texels& texels = convert(desc.bitmap, desc.raw, desc.wrap == WrapMode::repeat);
   view.type = texels.packed.empty() ? TextureType::bitmap_float : TextureType::bitmap8;
   view.width = desc.bitmap->width;
   view.height = desc.bitmap->height;

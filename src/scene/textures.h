@@ -25,16 +25,17 @@ public:
   size_t bytes() const;
 
 private:
-  /// Tiles of 4 x 4 texels, shared by all textures of one bitmap.
+  /// Tiles of texels, shared by all textures of one bitmap.
   struct Texels {
     std::weak_ptr<const Bitmap> source;
     bool raw = false;
+    bool repeats = false;        ///< after the last texel comes the first, not the last again
     HugeVector<uint32_t> packed; ///< R | G << 8 | B << 16 | A << 24
     HugeVector<float> rgba;
     std::array<double, 3> mean{};
   };
 
-  const Texels& convert(const std::shared_ptr<const Bitmap>& bitmap, bool raw);
+  const Texels& convert(const std::shared_ptr<const Bitmap>& bitmap, bool raw, bool repeats);
   void add_bitmap(const TextureDesc& desc, TextureView& view, std::array<double, 3>& mean);
 
   std::vector<TextureView> views_;

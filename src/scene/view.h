@@ -47,15 +47,20 @@ static_assert(sizeof(QuadricRecord) == 128);
 enum class TextureType : int32_t { constant, bitmap8, bitmap_float, checkerboard };
 enum class WrapMode : int32_t { repeat, mirror, clamp };
 
+/// Texels lie in tiles of 4 x 4, which start at every third texel: their last row and column are
+/// the first of the next tile, or what follows the bitmap's last texel. The 2 x 2 texels between
+/// which a point lies are therefore always in one tile, of bytes one line of the cache.
+inline constexpr int kTileSide = 4, kTileStep = 3, kTileTexels = kTileSide * kTileSide;
+
 /// A texture; the same for all lanes of an evaluation.
 struct TextureView {
   TextureType type;
   WrapMode wrap;
   int32_t nearest; ///< 1: no interpolation
   int32_t width, height;
-  int32_t tiles_x; ///< bitmap8 and bitmap_float: texels lie in tiles of 4 x 4, this many a row
-  int32_t srgb;    ///< 8-bit texels are sRGB-encoded
-  float to_uv[6];  ///< rows of a 2x3 affine map applied to uv
+  int32_t tiles_x;         ///< bitmap8 and bitmap_float: tiles of texels in a row
+  int32_t srgb;            ///< 8-bit texels are sRGB-encoded
+  float to_uv[6];          ///< rows of a 2x3 affine map applied to uv
   const uint32_t* texels8; ///< R | G << 8 | B << 16 | A << 24
   const float* texels;     ///< RGBA
   float color[2][3];       ///< constant: [0]; checkerboard: both
@@ -190,13 +195,14 @@ struct CameraView {
   int32_t crop_x, crop_y, crop_width, crop_height;
 };
 
-/// A reconstruction filter, importance-sampled: the inverse of its cumulated |f| per axis,
-/// tabulated.
+/// A reconstruction filter, importance-sampled: the share of |f| per axis within a distance from
+/// the pixel's centre, tabulated. All filters are symmetric.
 struct FilterView {
   float radius;
-  int32_t cells;    ///< 0: box of radius 1/2
-  const float* cdf; ///< cells + 1 values from 0 to 1 at equidistant offsets -radius .. radius
+  int32_t cells;      ///< kFilterCells; 0: box of radius 1/2
+  const float* share; ///< cells + 1 values from 0 to 1 at equidistant distances 0 .. radius
 };
+inline constexpr int kFilterCells = 32;
 
 struct SceneView {
   RTCSceneTy* embree;

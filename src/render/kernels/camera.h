@@ -6,42 +6,35 @@
 
 namespace faceta {
 
-/// The cumulated filter at an offset, by linear interpolation of its table.
-FACETA_INLINE float filter_cdf(const FilterView& f, float offset) {
-  if (f.cells == 0)
-    return clamp01(offset + 0.5f);
-  float x = clamp((offset + f.radius) / (2 * f.radius), 0.0f, 1.0f) * float(f.cells);
-  int i = min(static_cast<int>(x), f.cells - 1);
-  return lerp(f.cdf[i], f.cdf[i + 1], x - float(i));
-}
-
 /// An offset from the pixel centre with density proportional to the filter, kept inside
 /// [low, high] (pixels at the border of the film only see what is on it, as a splatting film
 /// would).
 template <class T>
 FACETA_INLINE T sample_filter(const FilterView& f, const T& u, const T& low, const T& high) {
   using I = IntOf<T>;
+  static_assert(kFilterCells == 32);
   if (f.cells == 0)
     return u - T(0.5f);
-  // cdf at the bounds.
-  auto cdf = [&](const T& offset) {
-    T x = clamp((offset + T(f.radius)) * T(0.5f * float(f.cells) / f.radius), T(0),
-                T(float(f.cells)));
-    I i = min(to_int(x), I(f.cells - 1));
-    return lerp(gather<T>(f.cdf, i), gather<T>(f.cdf, i + I(1)), x - to_float(i));
+  // From -1 at -radius over 0 to 1 at radius.
+  auto cumulated = [&](const T& offset) {
+    T x = min(abs(offset) * (T(float(kFilterCells)) / T(f.radius)), T(float(kFilterCells)));
+    I i = min(to_int(x), I(kFilterCells - 1));
+    T a = entry32<T>(f.share, i), b = entry32<T>(f.share + 1, i);
+    return copysign(lerp(a, b, x - to_float(i)), offset);
   };
-  T target = u;
-  // Away from the border of the film cdf(low) is 0 and cdf(high) 1.
+  T target = fma(T(2), u, T(-1));
+  // Away from the border of the film the bounds cut nothing off.
   if (!all((low <= T(-f.radius)) & (high >= T(f.radius))))
-    target = lerp(cdf(low), cdf(high), u);
-  I first(0); // the last entry <= target
-  for (int step = f.cells / 2; step > 0; step /= 2) {
-    I probe = min(first + I(step), I(f.cells - 1));
-    first = select(gather<T>(f.cdf, probe) <= target, probe, first);
+    target = lerp(cumulated(low), cumulated(high), u);
+  T distance = abs(target);
+  I cell(0); // the last that starts at or below it
+  for (int step = kFilterCells / 2; step > 0; step /= 2) {
+    I probe = cell + I(step);
+    cell = select(entry32<T>(f.share, probe) <= distance, probe, cell);
   }
-  T a = gather<T>(f.cdf, first), b = gather<T>(f.cdf, first + I(1));
-  T inside = clamp01((target - a) / max(b - a, T(1e-20f)));
-  return (to_float(first) + inside) * T(2 * f.radius / float(f.cells)) - T(f.radius);
+  T a = entry32<T>(f.share, cell), b = entry32<T>(f.share + 1, cell);
+  T inside = clamp01((distance - a) / max(b - a, T(1e-20f)));
+  return copysign((to_float(cell) + inside) * T(f.radius / float(kFilterCells)), target);
 }
 
 template <class T> struct CameraRay {

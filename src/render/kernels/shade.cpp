@@ -165,7 +165,8 @@ void Wavefront::begin_group(const ClassView& c, int first, int n, Group& g) cons
   g.place = g.next_choice = {T(0), T(0)};
   const EnvironmentView& e = scene_.environment;
   if (e.columns) {
-    g.place = {gather<T>(places_, index), gather<T>(places_ + kPoolRows, index)};
+    Neighbours<T> place = gather_pair<T>(places_, index << 1);
+    g.place = {place.first, place.second};
     g.next_choice = environment_choice(stream_of(g.path), first_pair(g.path.depth + I(1)));
     store(group, environment_cell_at(e, g.place.x, g.place.y));
     for (int k = 0; k < W; ++k)
@@ -289,8 +290,7 @@ void Wavefront::store_paths(const PathLanes& path, const Vec3<T>& o, const Vec3<
 }
 
 void Wavefront::store_places(const Vec2<T>& place, int first, M mask) {
-  compress_store(next_places_ + first, place.x, mask);
-  compress_store(next_places_ + kPoolRows + first, place.y, mask);
+  compress_store_pairs(next_places_ + 2 * first, place.x, place.y, mask);
 }
 
 void Wavefront::queue_shadow(const SurfaceLanes<T>& s, const LightSample& l,

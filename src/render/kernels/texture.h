@@ -39,105 +39,101 @@ template <class T> FACETA_INLINE T decode_srgb(const IntOf<T>& byte) {
   return select(byte < I(11), t * T(1 / (255 * 12.92)), curve);
 }
 
-/// Wraps a texel coordinate into [0, size).
-template <class T> FACETA_INLINE IntOf<T> wrap_texel(const IntOf<T>& i, int size, WrapMode mode) {
-  using I = IntOf<T>;
-  I n(size);
-  if (mode == WrapMode::clamp)
-    return min(max(i, I(0)), I(size - 1));
-  // The floor of i / size in float is exact enough: both are below 2^24 and one step mends the
-  // rest.
-  T quotient = floor((to_float(i) + T(0.5f)) * T(1.0f / float(size)));
-  I period = to_int(quotient);
-  I rest = i - period * n;
-  rest = select(rest < I(0), rest + n, rest);
-  rest = select(rest >= n, rest - n, rest);
-  if (mode == WrapMode::mirror) {
-    auto odd = (period & I(1)) != I(0);
-    rest = select(odd, I(size - 1) - rest, rest);
-  }
-  return rest;
-}
-
-/// The texel after the wrapped coordinate x0 of i.
-template <class T>
-FACETA_INLINE IntOf<T> next_texel(const IntOf<T>& i, const IntOf<T>& x0, int size, WrapMode mode) {
-  using I = IntOf<T>;
-  if (mode != WrapMode::repeat)
-    return wrap_texel<T>(i + I(1), size, mode);
-  I next = x0 + I(1);
-  return select(next == I(size), I(0), next);
-}
-
 /// The texture's own coordinates at uv.
 template <class T> FACETA_INLINE Vec2<T> texture_place(const TextureView& t, const Vec2<T>& uv) {
   return {fma(T(t.to_uv[0]), uv.x, fma(T(t.to_uv[1]), uv.y, T(t.to_uv[2]))),
           fma(T(t.to_uv[3]), uv.x, fma(T(t.to_uv[4]), uv.y, T(t.to_uv[5])))};
 }
 
-/// Where texel (x, y) lies, in texels: tiles of 4 x 4.
-template <class I> FACETA_INLINE I texel_index(const TextureView& t, const I& x, const I& y) {
-  I tile = (y >> 2) * I(t.tiles_x) + (x >> 2);
-  return (tile << 4) + ((y & I(3)) << 2) + (x & I(3));
-}
-
-template <class T>
-FACETA_INLINE Color<T> fetch_texel(const TextureView& t, const IntOf<T>& x, const IntOf<T>& y) {
-  using I = IntOf<T>;
-  I index = texel_index(t, x, y);
-  if (t.type == TextureType::bitmap8) {
-    I texel = gather_int<T>(reinterpret_cast<const int32_t*>(t.texels8), index);
-    I r = texel & I(255), g = (texel >> 8) & I(255), b = (texel >> 16) & I(255);
-    if (t.srgb)
-      return Color<T>(decode_srgb<T>(r), decode_srgb<T>(g), decode_srgb<T>(b));
-    T scale = T(1.0f / 255.0f);
-    return Color<T>(to_float(r) * scale, to_float(g) * scale, to_float(b) * scale);
-  }
-  T rgba[4];
-  load_quads<T>(t.texels, index, rgba);
-  return Color<T>(rgba[0], rgba[1], rgba[2]);
-}
-
-/// The texels around a point and its fractions between them; with `nearest` all four are the one.
-template <class T> struct TexelCorners {
-  IntOf<T> x0, x1, y0, y1;
-  T fx, fy;
-
-  FACETA_INLINE TexelCorners(const TextureView& t, const Vec2<T>& uv) {
-    using I = IntOf<T>;
-    Vec2<T> st = texture_place(t, uv);
-    // Beyond +-2^20 texels single precision has no fractions left.
-    T limit = T(0x1p20f);
-    T x = clamp(st.x * T(float(t.width)), -limit, limit);
-    T y = clamp(st.y * T(float(t.height)), -limit, limit);
-    if (t.nearest) {
-      fx = fy = T(0);
-      x0 = x1 = wrap_texel<T>(to_int(floor(x)), t.width, t.wrap);
-      y0 = y1 = wrap_texel<T>(to_int(floor(y)), t.height, t.wrap);
-      return;
-    }
-    x = x - T(0.5f);
-    y = y - T(0.5f);
-    T wx = floor(x), wy = floor(y);
-    fx = x - wx;
-    fy = y - wy;
-    I ix = to_int(wx), iy = to_int(wy);
-    x0 = wrap_texel<T>(ix, t.width, t.wrap);
-    x1 = next_texel<T>(ix, x0, t.width, t.wrap);
-    y0 = wrap_texel<T>(iy, t.height, t.wrap);
-    y1 = next_texel<T>(iy, y0, t.height, t.wrap);
-  }
+/// Along one side of a bitmap: the texel at or before a point, as a number, and how far the point
+/// lies on the way to the next.
+template <class T> struct TexelStep {
+  T texel, fraction;
 };
+template <class T>
+FACETA_INLINE TexelStep<T> texel_step(const T& coordinate, int size, const TextureView& t) {
+  T n = T(float(size)), last = T(float(size - 1));
+  T s = coordinate;
+  if (t.wrap == WrapMode::repeat)
+    s = s - floor(s);
+  if (t.wrap == WrapMode::mirror) {
+    s = abs(s);
+    s = fma(T(-2), floor(s * T(0.5f)), s);
+    s = min(s, T(2) - s);
+  }
+  // What is infinite or no number ends up at texel 0: max() returns its second operand then.
+  if (t.nearest)
+    return {min(floor(max(s * n, T(0))), last), T(0)};
+  T x = fma(s, n, T(-0.5f));
+  if (t.wrap == WrapMode::repeat)
+    x = max(select(x < T(0), x + n, x), T(0)); // up to n, which is texel n - 1 and a whole step
+  else
+    x = min(max(x, T(0)), last);
+  T texel = min(floor(x), last);
+  return {texel, x - texel};
+}
+
+/// Where in memory, in texels, the first of the 2 x 2 texels around a point lies, and the point's
+/// place between them. Of those that are looked up `nearest` the first is the one.
+template <class T> struct TexelPlace {
+  IntOf<T> index;
+  T fx, fy;
+};
+template <class T>
+FACETA_INLINE TexelPlace<T> texel_place(const TextureView& t, const Vec2<T>& uv) {
+  using I = IntOf<T>;
+  Vec2<T> st = texture_place(t, uv);
+  TexelStep<T> x = texel_step(st.x, t.width, t), y = texel_step(st.y, t.height, t);
+  // Divided by three: up to 2^16 texels a side the product's error is far from the sixth.
+  auto tile = [](const T& texel) {
+    return floor(fma(texel, T(1.0f / kTileStep), T(0.5f / kTileStep)));
+  };
+  T tx = tile(x.texel), ty = tile(y.texel);
+  T inside = fma(T(float(kTileSide)), fma(T(-float(kTileStep)), ty, y.texel),
+                 fma(T(-float(kTileStep)), tx, x.texel));
+  I first = (to_int(ty) * I(t.tiles_x) + to_int(tx)) * I(kTileTexels);
+  return {first + to_int(inside), x.fraction, y.fraction};
+}
+
+/// The linear colour of texels R | G << 8 | B << 16.
+template <class T> FACETA_INLINE Color<T> decode_bytes(const IntOf<T>& texel, bool srgb) {
+  using I = IntOf<T>;
+  I r = texel & I(255), g = (texel >> 8) & I(255), b = (texel >> 16) & I(255);
+  if (srgb)
+    return Color<T>(decode_srgb<T>(r), decode_srgb<T>(g), decode_srgb<T>(b));
+  T scale = T(1.0f / 255.0f);
+  return Color<T>(to_float(r) * scale, to_float(g) * scale, to_float(b) * scale);
+}
+
+/// Two texels side by side.
+template <class T> struct TexelPair {
+  Color<T> first, second;
+};
+/// The texel `after` those at the indices, and the next.
+template <class T>
+FACETA_INLINE TexelPair<T> fetch_texels(const TextureView& t, const IntOf<T>& index, int after) {
+  if (t.type == TextureType::bitmap8) {
+    const float* words = reinterpret_cast<const float*>(t.texels8 + after);
+    Neighbours<T> texels = gather_pair<T>(words, index);
+    return {decode_bytes<T>(as_integer(texels.first), t.srgb),
+            decode_bytes<T>(as_integer(texels.second), t.srgb)};
+  }
+  T a[4], b[4];
+  load_quads<T>(t.texels + 4 * after, index, a);
+  load_quads<T>(t.texels + 4 * after + 4, index, b);
+  return {Color<T>(a[0], a[1], a[2]), Color<T>(b[0], b[1], b[2])};
+}
 
 template <class T> FACETA_INLINE Color<T> bitmap_texture(const TextureView& t, const Vec2<T>& uv) {
-  TexelCorners<T> k(t, uv);
-  Color<T> c00 = fetch_texel<T>(t, k.x0, k.y0);
+  TexelPlace<T> place = texel_place(t, uv);
+  TexelPair<T> upper = fetch_texels<T>(t, place.index, 0);
   if (t.nearest)
-    return c00;
-  Color<T> c10 = fetch_texel<T>(t, k.x1, k.y0), c01 = fetch_texel<T>(t, k.x0, k.y1);
-  Color<T> c11 = fetch_texel<T>(t, k.x1, k.y1), r;
+    return upper.first;
+  TexelPair<T> lower = fetch_texels<T>(t, place.index, kTileSide);
+  Color<T> r;
   for (int c = 0; c < 3; ++c)
-    r[c] = lerp(lerp(c00[c], c10[c], k.fx), lerp(c01[c], c11[c], k.fx), k.fy);
+    r[c] = lerp(lerp(upper.first[c], upper.second[c], place.fx),
+                lerp(lower.first[c], lower.second[c], place.fx), place.fy);
   return r;
 }
 
@@ -188,20 +184,16 @@ void prefetch_texture(const TextureView* textures, int id, const Vec2<T>& uv, Ma
   const TextureView& t = textures[id];
   if (t.type != TextureType::bitmap8 && t.type != TextureType::bitmap_float)
     return;
-  TexelCorners<T> k(t, uv);
   constexpr int kWidth = kWidthOf<T>;
-  // Two opposite corners: the other two mostly lie in the same tiles.
-  alignas(64) int32_t first[kWidth], last[kWidth];
-  store(first, texel_index(t, k.x0, k.y0));
-  store(last, texel_index(t, k.x1, k.y1));
+  alignas(64) int32_t first[kWidth];
+  store(first, texel_place(t, uv).index);
   for (uint32_t bits = mask_bits(active); bits; bits &= bits - 1) {
     int i = __builtin_ctz(bits);
     if (t.type == TextureType::bitmap8) {
       __builtin_prefetch(t.texels8 + first[i]);
-      __builtin_prefetch(t.texels8 + last[i]);
     } else {
       __builtin_prefetch(t.texels + 4 * size_t(first[i]));
-      __builtin_prefetch(t.texels + 4 * size_t(last[i]));
+      __builtin_prefetch(t.texels + 4 * size_t(first[i] + kTileSide));
     }
   }
 }

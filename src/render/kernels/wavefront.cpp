@@ -118,8 +118,7 @@ FACETA_INLINE void Wavefront::start_paths(int row_index, const CameraRay<T>& r, 
     SampleStream<T> vertex(as_uint(pixel_index), as_uint(s), job_.settings.seed,
                            job_.settings.sampler == SamplerType::sobol);
     Vec2<T> place = environment_place(vertex, I(1), environment_choice(vertex, I(1)));
-    store(places_ + row_index, place.x);
-    store(places_ + kPoolRows + row_index, place.y);
+    store_pairs(places_ + 2 * row_index, place.x, place.y);
   }
 }
 

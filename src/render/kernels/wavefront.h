@@ -164,8 +164,8 @@ private:
   AlignedArray<float> row_memory_;
   float *rows_, *next_rows_; ///< the pool, and the one that survivors move to
   /// The place on the environment that each path's next vertex samples: chosen when the ray is
-  /// made, so that its cell is on its way from memory while others are shaded. x, then y, of all
-  /// paths.
+  /// made, so that its cell is on its way from memory while others are shaded. x and y of each
+  /// path.
   AlignedArray<float> place_memory_;
   float *places_, *next_places_;
   AlignedArray<int32_t> hits_;          ///< hit codes of the pool

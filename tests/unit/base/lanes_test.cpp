@@ -8,6 +8,7 @@
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <string>
 #include <vector>
@@ -159,6 +160,24 @@ TEST_P(LanesOf, GatherAndLoad) {
     ASSERT_EQ(floats[i], values[indices[i]]) << i;
     ASSERT_EQ(ints[i], indices[indices[i]] + i) << i;
   }
+}
+
+TEST_P(LanesOf, PairsOfNeighbours) {
+  const int n = 4096;
+  std::mt19937 random(3);
+  std::vector<float> values(n + 1), expected, found(4 * n + 2 * 16);
+  std::vector<int32_t> indices(n);
+  std::iota(values.begin(), values.end(), 0.0f);
+  for (int32_t& i : indices)
+    i = int32_t(random() % n);
+  for (bool all : {true, false})
+    for (int32_t i : indices)
+      if (all || i % 2)
+        expected.insert(expected.end(), {values[i], values[i + 1]});
+  int count = table->pairs(values.data(), indices.data(), found.data(), n);
+  ASSERT_EQ(size_t(2 * count), expected.size());
+  found.resize(expected.size());
+  EXPECT_EQ(found, expected);
 }
 
 TEST_P(LanesOf, FirstLanes) {

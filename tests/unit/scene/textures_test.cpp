@@ -36,7 +36,7 @@ TextureDesc bitmap_texture(const Bitmap& b, bool raw = false) {
 }
 
 size_t index_of(const TextureView& t, int x, int y) {
-  return size_t(((y >> 2) * t.tiles_x + (x >> 2)) * 16 + (y & 3) * 4 + (x & 3));
+  return size_t((y / 3 * t.tiles_x + x / 3) * 16 + y % 3 * 4 + x % 3);
 }
 
 TEST(Textures, BytesLieInTilesAndStayBytes) {
@@ -58,6 +58,26 @@ TEST(Textures, BytesLieInTilesAndStayBytes) {
         EXPECT_EQ(texel >> 16 & 255, grey ? first : first + 120);
         uint32_t alpha = channels == 2 ? first + 60 : (first + 180) & 255;
         EXPECT_EQ(texel >> 24, channels % 2 == 0 ? alpha : 255);
+      }
+  }
+}
+
+TEST(Textures, TexelsHaveTheirNeighboursBesideThem) {
+  for (WrapMode mode : {WrapMode::repeat, WrapMode::clamp, WrapMode::mirror}) {
+    TextureStore store;
+    TextureDesc desc = bitmap_texture(numbered(7, 6, 1));
+    desc.wrap = mode;
+    store.add(desc);
+    const TextureView& t = store.views()[0];
+    auto after = [&](int i, int size) {
+      return i + 1 < size ? i + 1 : mode == WrapMode::repeat ? 0 : i;
+    };
+    for (int y = 0; y < 6; ++y)
+      for (int x = 0; x < 7; ++x) {
+        const uint32_t* texel = t.texels8 + index_of(t, x, y);
+        EXPECT_EQ(int(texel[1] & 255), 10 * y + after(x, 7));
+        EXPECT_EQ(int(texel[4] & 255), 10 * after(y, 6) + x);
+        EXPECT_EQ(int(texel[5] & 255), 10 * after(y, 6) + after(x, 7));
       }
   }
 }
@@ -119,6 +139,12 @@ TEST(Textures, OfOneBitmapShareTexels) {
   store.add(desc);
   EXPECT_EQ(store.views()[0].texels8, store.views()[1].texels8);
   EXPECT_EQ(store.views()[1].to_uv[0], 5);
+  desc.wrap = WrapMode::clamp;
+  store.add(desc);
+  desc.wrap = WrapMode::mirror; // needs the same neighbours as clamp
+  store.add(desc);
+  EXPECT_EQ(store.views()[3].texels8, store.views()[4].texels8);
+  EXPECT_NE(store.views()[2].texels8, store.views()[3].texels8);
   EXPECT_NE(store.views()[0].texels8, store.views()[2].texels8);
 }
 

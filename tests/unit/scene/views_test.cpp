@@ -267,20 +267,22 @@ TEST(Filter, CumulatesMitsubasFilters) {
     desc.radius = desc.stddev = value.parameter;
     FilterTable table(desc);
     FilterView v = table.view();
-    ASSERT_EQ(v.cells & (v.cells - 1), 0);
-    EXPECT_EQ(v.cdf[0], 0);
-    EXPECT_EQ(v.cdf[v.cells], 1);
+    ASSERT_EQ(v.cells, kFilterCells);
+    EXPECT_EQ(v.share[0], 0);
+    EXPECT_EQ(v.share[v.cells], 1);
     EXPECT_FLOAT_EQ(v.radius, static_cast<float>((value.tent ? 1 : 4) * value.parameter));
     // The density of the table's cell against the filter over its integral; Mitsuba's Gaussian is a
     // polynomial good to some 1e-3.
     double integral = value.tent ? value.parameter : value.parameter * std::sqrt(2 * kPi);
-    double x = (value.x / v.radius + 1) / 2 * v.cells;
+    double x = std::abs(value.x) / v.radius * v.cells, width = v.radius / v.cells;
     int i = std::min(int(x), v.cells - 1);
-    double width = 2 * v.radius / v.cells;
-    auto density = [&](int k) { return (v.cdf[k + 1] - v.cdf[k]) / width; };
+    auto density = [&](int k) { // even in k + 1/2
+      k = std::min(k < 0 ? -1 - k : k, v.cells - 1);
+      return (v.share[k + 1] - v.share[k]) / (2 * width);
+    };
     // Linear between the middles of cells.
     int k = x - i < 0.5 ? i - 1 : i;
-    double between = std::lerp(density(k), density(std::min(k + 1, v.cells - 1)), x - k - 0.5);
+    double between = std::lerp(density(k), density(k + 1), x - k - 0.5);
     EXPECT_NEAR(between * integral, value.value, value.x == 0 && value.tent ? 0.02 : 4e-3)
         << value.x;
   }

@@ -29,6 +29,9 @@ struct LaneTable {
   /// gather, gather_int, load_int, iota, first_lanes (for 0 .. width), lane: see lanes_test.cpp.
   void (*memory)(const float* values, const int32_t* indices, float* floats, int32_t* ints, int n);
   uint32_t (*first)(int n);
+  /// gather_pair at the indices, first all of them, then those of the lanes with an odd index;
+  /// returns how many pairs in all.
+  int (*pairs)(const float* values, const int32_t* indices, float* out, int n);
 };
 
 template <class T> FACETA_INLINE T truth(const MaskOf<T>& m) {
@@ -185,15 +188,28 @@ template <class T> struct LaneLoops {
         floats[at] = -1;
     }
   }
+  static int pairs(const float* values, const int32_t* indices, float* out, int n) {
+    int written = n;
+    for (int at = 0; at < n; at += kWidthOf<T>) {
+      IntOf<T> index = load_int<T>(indices + at);
+      Neighbours<T> pair = gather_pair<T>(values, index);
+      store_pairs(out + 2 * at, pair.first, pair.second);
+      MaskOf<T> odd = (index & IntOf<T>(1)) != IntOf<T>(0);
+      compress_store_pairs(out + 2 * written, pair.first, pair.second, odd);
+      written += count(odd);
+    }
+    return written;
+  }
   static uint32_t first(int n) { return mask_bits(first_lanes<T>(n)); }
 
   static const LaneTable& table() {
 #define FACETA_LANE_ENTRY(name, expression) {#name, name},
     static const LaneFunction functions[] = {FACETA_FOR_LANE_FUNCTIONS(FACETA_LANE_ENTRY)};
 #undef FACETA_LANE_ENTRY
-    static const LaneTable result{
-        kWidthOf<T>, int(sizeof functions / sizeof *functions), functions, masks, compress, memory,
-        first};
+    static const LaneTable result{kWidthOf<T>, int(sizeof functions / sizeof *functions),
+                                  functions,   masks,
+                                  compress,    memory,
+                                  first,       pairs};
     return result;
   }
 };
