@@ -1,6 +1,7 @@
 #include "scene/light_bvh.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -61,24 +62,20 @@ double cost(const LightBounds& b) {
   return b.power * orientation_measure(b) * size_measure(b);
 }
 
-float below(double x) {
-  float f = static_cast<float>(x);
-  return f > x ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
-}
-float above(double x) {
-  return -below(-x);
-}
-
 LightNode make_node(const LightBounds& b) {
   LightNode node{};
+  double radius = 0.5 * length(sub(b.high, b.low));
   for (int k = 0; k < 3; ++k) {
-    node.low[k] = below(b.low[k]);
-    node.high[k] = above(b.high[k]);
+    double center = 0.5 * (b.low[k] + b.high[k]);
+    node.center[k] = static_cast<float>(center);
+    radius += std::abs(node.center[k] - center);
     node.axis[k] = static_cast<float>(b.axis[k]);
   }
-  // Rounding must not narrow the cones.
-  node.cos_spread =
-      static_cast<float>(std::max(-1.0, b.cos_spread - (b.cos_spread < 1 ? 1e-6 : 0)));
+  // Rounding must not narrow the sphere or the cones.
+  node.radius2 = static_cast<float>(radius * radius * (1 + 1e-6));
+  double cos_spread = std::max(-1.0, b.cos_spread - (b.cos_spread < 1 ? 1e-6 : 0));
+  node.cos_spread = static_cast<float>(cos_spread);
+  node.sin_spread = static_cast<float>(std::sqrt(1 - cos_spread * cos_spread));
   node.cos_emission = static_cast<float>(b.cos_emission);
   node.power = static_cast<float>(b.power);
   node.child = node.light = -1;

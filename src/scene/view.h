@@ -143,14 +143,14 @@ static_assert(sizeof(LightRecord) == 128);
 
 /// A node of the light BVH: one row. Two children lie side by side.
 struct alignas(64) LightNode {
-  float low[3], high[3];
-  float axis[3];      ///< of the cone of emission directions
-  float cos_spread;   ///< half angle of the normals' cone
-  float cos_emission; ///< half angle of emission beyond it
+  float center[3], radius2;     ///< a sphere around the lights; the radius squared
+  float axis[3];                ///< of the cone of emission directions
+  float cos_spread, sin_spread; ///< half angle of the normals' cone
+  float cos_emission;           ///< half angle of emission beyond it
   float power;
   int32_t child; ///< first of two child nodes, or -1
   int32_t light; ///< leaf: the light record, else -1
-  float reserved[2];
+  float reserved[3];
 };
 static_assert(sizeof(LightNode) == 64);
 

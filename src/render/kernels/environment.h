@@ -21,15 +21,44 @@ template <class T> struct EnvironmentLight {
   Vec3<T> direction;
 };
 
-namespace detail {
+/// A place on the image: a cell and the fractions inside it.
+template <class T> struct EnvironmentSpot {
+  IntOf<T> cell;
+  T fx, fy, sin_theta;
+};
 
-/// Radiance and density inside cells at fractions (fx, fy).
+/// The cell of a place, kept on the image.
 template <class T>
-FACETA_INLINE EnvironmentLight<T> environment_cell(const EnvironmentView& e, const IntOf<T>& cell,
-                                                   const T& fx, const T& fy, const T& sin_theta) {
+FACETA_INLINE IntOf<T> environment_cell_at(const EnvironmentView& e, const T& x, const T& y) {
+  using I = IntOf<T>;
+  I column = min(to_int(x), I(e.columns - 1)), row = min(to_int(y), I(e.rows - 1));
+  return row * I(e.columns) + column;
+}
+
+template <class T> FACETA_INLINE EnvironmentSpot<T>
+environment_spot(const EnvironmentView& e, const T& x, const T& y, const T& sin_theta) {
+  T cx = min(floor(x), T(float(e.columns - 1))), cy = min(floor(y), T(float(e.rows - 1)));
+  return {environment_cell_at(e, x, y), x - cx, y - cy, sin_theta};
+}
+
+/// Where a world direction meets the image.
+template <class T>
+FACETA_INLINE EnvironmentSpot<T> environment_spot(const EnvironmentView& e, const Vec3<T>& d) {
+  Vec3<T> v = rotate(e.to_local, d);
+  // u = atan2(x, -z) / 2pi, v = acos(y) / pi, +Y up.
+  T u = atan2(v.x, -v.z) * T(kInvTwoPi);
+  u = u - floor(u);
+  T t = acos(clamp(v.y, T(-1), T(1))) * T(kInvPi);
+  return environment_spot(e, u * T(float(e.columns)), t * T(float(e.rows)),
+                          sqrt(fma(v.x, v.x, v.z * v.z)));
+}
+
+/// Radiance and density at a spot; the direction is left to others.
+template <class T> FACETA_INLINE EnvironmentLight<T>
+environment_light(const EnvironmentView& e, const EnvironmentSpot<T>& spot) {
   using I = IntOf<T>;
   T w[8]; // density, scale, twelve halves
-  load_octets<T>(reinterpret_cast<const float*>(e.cells), cell, w);
+  load_octets<T>(reinterpret_cast<const float*>(e.cells), spot.cell, w);
   // Half i as a float 2^112 times too small: the sign stays, exponent and mantissa move.
   auto half = [&](int i) {
     I word = as_integer(w[2 + i / 2]);
@@ -37,36 +66,19 @@ FACETA_INLINE EnvironmentLight<T> environment_cell(const EnvironmentView& e, con
   };
   EnvironmentLight<T> light;
   for (int c = 0; c < 3; ++c) {
-    T top = lerp(half(c), half(3 + c), fx), bottom = lerp(half(6 + c), half(9 + c), fx);
-    light.radiance[c] = T(e.radiance[c]) * (lerp(top, bottom, fy) * T(0x1p112f) * w[1]);
+    T top = lerp(half(c), half(3 + c), spot.fx), bottom = lerp(half(6 + c), half(9 + c), spot.fx);
+    light.radiance[c] = T(e.radiance[c]) * (lerp(top, bottom, spot.fy) * T(0x1p112f) * w[1]);
   }
-  light.pdf = w[0] / max(sin_theta * T(2 * kPi * kPi), T(1e-12f));
+  light.pdf = w[0] / max(spot.sin_theta * T(2 * kPi * kPi), T(1e-12f));
   return light;
 }
 
-} // namespace detail
-
-/// What arrives from a world direction, and the density of sampling it.
+/// What a constant environment sends from everywhere, and the density of sampling it.
 template <class T>
-FACETA_INLINE EnvironmentLight<T> environment_light(const EnvironmentView& e, const Vec3<T>& d) {
-  using I = IntOf<T>;
+FACETA_INLINE EnvironmentLight<T> constant_environment(const EnvironmentView& e) {
   EnvironmentLight<T> light;
-  if (e.columns == 0) {
-    light.radiance = Color<T>(T(e.radiance[0]), T(e.radiance[1]), T(e.radiance[2]));
-    light.pdf = T(1 / (4 * kPi));
-  } else {
-    Vec3<T> v = rotate(e.to_local, d);
-    // u = atan2(x, -z) / 2pi, v = acos(y) / pi, +Y up.
-    T u = atan2(v.x, -v.z) * T(kInvTwoPi);
-    u = u - floor(u);
-    T t = acos(clamp(v.y, T(-1), T(1))) * T(kInvPi);
-    T x = u * T(float(e.columns)), y = t * T(float(e.rows));
-    T cx = min(floor(x), T(float(e.columns - 1))), cy = min(floor(y), T(float(e.rows - 1)));
-    T sin_theta = sqrt(fma(v.x, v.x, v.z * v.z));
-    I cell = to_int(cy) * I(e.columns) + to_int(cx);
-    light = detail::environment_cell<T>(e, cell, x - cx, y - cy, sin_theta);
-  }
-  light.direction = d;
+  light.radiance = Color<T>(T(e.radiance[0]), T(e.radiance[1]), T(e.radiance[2]));
+  light.pdf = T(1 / (4 * kPi));
   return light;
 }
 
@@ -90,23 +102,13 @@ choose_environment_place(const EnvironmentView& e, const Vec2<T>& choice, const 
   return {fma(low(size), place.x, low(origin)), fma(high(size), place.y, high(origin))};
 }
 
-/// The cell of a place, kept on the image.
-template <class T>
-FACETA_INLINE IntOf<T> environment_cell_at(const EnvironmentView& e, const T& x, const T& y) {
-  using I = IntOf<T>;
-  I column = min(to_int(x), I(e.columns - 1)), row = min(to_int(y), I(e.rows - 1));
-  return row * I(e.columns) + column;
-}
-
 /// The light through a place.
 template <class T> FACETA_INLINE EnvironmentLight<T>
 sample_environment_place(const EnvironmentView& e, const Vec2<T>& place) {
   SinCos<T> phi = sincos(place.x * T(float(2 * kPi / e.columns)));
   SinCos<T> theta = sincos(place.y * T(float(kPi / e.rows)));
-  T cx = min(floor(place.x), T(float(e.columns - 1)));
-  T cy = min(floor(place.y), T(float(e.rows - 1)));
-  EnvironmentLight<T> light = detail::environment_cell<T>(
-      e, environment_cell_at(e, place.x, place.y), place.x - cx, place.y - cy, theta.sin);
+  EnvironmentLight<T> light =
+      environment_light(e, environment_spot(e, place.x, place.y, theta.sin));
   light.direction =
       rotate(e.to_world, Vec3<T>{theta.sin * phi.sin, theta.cos, -(theta.sin * phi.cos)});
   return light;
@@ -115,10 +117,8 @@ sample_environment_place(const EnvironmentView& e, const Vec2<T>& place) {
 /// A direction towards a constant environment.
 template <class T> FACETA_INLINE EnvironmentLight<T>
 sample_constant_environment(const EnvironmentView& e, const Vec2<T>& u) {
-  EnvironmentLight<T> light;
+  EnvironmentLight<T> light = constant_environment<T>(e);
   light.direction = uniform_sphere(u);
-  light.radiance = Color<T>(T(e.radiance[0]), T(e.radiance[1]), T(e.radiance[2]));
-  light.pdf = T(1 / (4 * kPi));
   return light;
 }
 

@@ -6,6 +6,8 @@
 #include "render/kernels/rows.h"
 #include "sampling/warp.h"
 
+#include <cstddef>
+
 namespace faceta {
 
 /// The fields of LightRecord a lane needs.
@@ -51,11 +53,8 @@ FACETA_INLINE void with_lights(const SceneView& scene, const IntOf<T>& index, co
   T a[16], b[16];
   const float* base = reinterpret_cast<const float*>(scene.lights);
   if (all(index == IntOf<T>(rows[0]))) {
-    const float* row = base + int64_t(rows[0]) * 32;
-    for (int k = 0; k < 16; ++k) {
-      a[k] = T(row[k]);
-      b[k] = T(row[16 + k]);
-    }
+    spread_row(base + int64_t(rows[0]) * 32, a);
+    spread_row(base + int64_t(rows[0]) * 32 + 16, b);
     use(light_lanes(a, b));
     return;
   }
@@ -70,18 +69,15 @@ FACETA_INLINE void with_lights(const SceneView& scene, const IntOf<T>& index, co
 /// Conservative importance of a node for a point with normal n: 0 only where nothing arrives.
 template <class T>
 FACETA_INLINE T node_importance(const T (&w)[16], const Vec3<T>& p, const Vec3<T>& n) {
-  Vec3<T> low{w[0], w[1], w[2]}, high{w[3], w[4], w[5]}, axis{w[6], w[7], w[8]};
-  T cos_spread = w[9], cos_emission = w[10], power = w[11];
-  Vec3<T> center = (low + high) * T(0.5);
-  Vec3<T> half = (high - low) * T(0.5);
-  T radius2 = dot(half, half);
+  Vec3<T> center{w[0], w[1], w[2]}, axis{w[4], w[5], w[6]};
+  T radius2 = w[3], cos_spread = w[7], sin_spread = w[8], cos_emission = w[9], power = w[10];
   Vec3<T> to_point = p - center;
   T d2 = dot(to_point, to_point);
-  // Inside or near the bounds distance says nothing: use their size.
+  // Inside the sphere or near it distance says nothing: use its size.
   T distance2 = max(d2, radius2);
   T inverse = T(1) / sqrt(max(d2, T(1e-30)));
   Vec3<T> wi = to_point * inverse;
-  // The cone that the bounds fill, seen from p.
+  // The cone that the sphere fills, seen from p.
   auto inside = d2 <= radius2;
   T sin_bounds2 = min(radius2 * inverse * inverse, T(1));
   T cos_bounds = select(inside, T(-1), safe_sqrt(T(1) - sin_bounds2));
@@ -94,7 +90,6 @@ FACETA_INLINE T node_importance(const T (&w)[16], const Vec3<T>& p, const Vec3<T
     return select(cos_a > cos_b, T(0), fma(sin_a, cos_b, -(cos_a * sin_b)));
   };
   T cos_w = dot(wi, axis), sin_w = safe_sqrt(fma(-cos_w, cos_w, T(1)));
-  T sin_spread = safe_sqrt(fma(-cos_spread, cos_spread, T(1)));
   T cos_x = cos_sub(sin_w, cos_w, sin_spread, cos_spread);
   T sin_x = sin_sub(sin_w, cos_w, sin_spread, cos_spread);
   T cos_p = select(inside, T(1), cos_sub(sin_x, cos_x, sin_bounds, cos_bounds));
@@ -105,6 +100,9 @@ FACETA_INLINE T node_importance(const T (&w)[16], const Vec3<T>& p, const Vec3<T
   T importance = power * max(cos_p, T(0.01f)) * max(facing, T(0.01f)) / max(distance2, T(1e-30f));
   return select(dark, T(0), importance);
 }
+
+constexpr int kChildWord = offsetof(LightNode, child) / 4;
+constexpr int kLightWord = offsetof(LightNode, light) / 4;
 
 /// A light chosen by its importance and the probability of the choice (0: no light matters).
 template <class T> struct LightChoice {
@@ -123,8 +121,13 @@ FACETA_INLINE ChildImportances<T> child_importances(const SceneView& scene, cons
   alignas(64) int32_t rows[kWidthOf<T>];
   store(rows, child);
   const float* base = reinterpret_cast<const float*>(scene.light_nodes);
-  load_rows<T>(base, 16, rows, a);
-  load_rows<T>(base + 16, 16, rows, b);
+  if (all(child == IntOf<T>(rows[0]))) { // as at the root, always
+    spread_row(base + int64_t(rows[0]) * 16, a);
+    spread_row(base + int64_t(rows[0]) * 16 + 16, b);
+  } else {
+    load_rows<T>(base, 16, rows, a);
+    load_rows<T>(base + 16, 16, rows, b);
+  }
   return {node_importance(a, p, n), node_importance(b, p, n)};
 }
 
@@ -148,8 +151,8 @@ choose_light(const SceneView& scene, const Vec3<T>& p, const Vec3<T>& n, T u) {
     u = select(descending, min(max(rescaled, T(0)), T(kOneMinusEpsilon)), u);
     choice.probability =
         select(descending, select(lost, T(0), choice.probability * taken), choice.probability);
-    I next = select(take_first, as_integer(a[12]), as_integer(b[12]));
-    I light = select(take_first, as_integer(a[13]), as_integer(b[13]));
+    I next = select(take_first, as_integer(a[kChildWord]), as_integer(b[kChildWord]));
+    I light = select(take_first, as_integer(a[kLightWord]), as_integer(b[kLightWord]));
     choice.light = select(descending, light, choice.light);
     child = select(descending, next, child);
     descending = descending & (child >= I(0)) & !lost;
@@ -179,7 +182,8 @@ template <class T> FACETA_INLINE T light_probability(const SceneView& scene, con
     auto second = (trail & I(1)) != I(0);
     T taken = select(second, select(lost, T(0), T(1) - p_first), p_first);
     probability = select(descending, probability * taken, probability);
-    child = select(descending, select(second, as_integer(b[12]), as_integer(a[12])), child);
+    child = select(descending, select(second, as_integer(b[kChildWord]), as_integer(a[kChildWord])),
+                   child);
     trail = trail >> 1;
     level = level + I(1);
     descending = descending & (level < l.depth);

@@ -15,6 +15,12 @@ FACETA_INLINE void load_rows(const float* base, int stride, const int32_t* index
     out[k] = T(base[int64_t(index[0]) * stride + k]);
 }
 
+/// The same row in all lanes.
+template <class T> FACETA_INLINE void spread_row(const float* row, T (&out)[16]) {
+  for (int k = 0; k < 16; ++k)
+    out[k] = T(row[k]);
+}
+
 /// Writes the rows of the lanes in `mask` one after the other; returns how many.
 template <class T>
 FACETA_INLINE int store_rows(float* out, MaskOf<T> mask, const T (&columns)[16]) {
@@ -24,7 +30,7 @@ FACETA_INLINE int store_rows(float* out, MaskOf<T> mask, const T (&columns)[16])
   return mask ? 1 : 0;
 }
 
-/// out[k] lane i = base[4 index[i] + k].
+/// out[k] lane i = base[4 index[i] + k]; below 2^31 words.
 template <class T>
 FACETA_INLINE void load_quads(const float* base, const IntOf<T>& index, T (&out)[4]) {
   const float* p = base + 4 * int64_t(index);
@@ -32,7 +38,7 @@ FACETA_INLINE void load_quads(const float* base, const IntOf<T>& index, T (&out)
     out[k] = T(p[k]);
 }
 
-/// out[k] lane i = base[8 index[i] + k]: rows of 32 bytes, on 32-byte lines.
+/// out[k] lane i = base[8 index[i] + k]: rows of 32 bytes, on 32-byte lines; below 2^31 words.
 template <class T>
 FACETA_INLINE void load_octets(const float* base, const IntOf<T>& index, T (&out)[8]) {
   const float* p = base + 8 * int64_t(index);
@@ -44,8 +50,8 @@ FACETA_INLINE void load_octets(const float* base, const IntOf<T>& index, T (&out
 template <>
 FACETA_INLINE void load_octets<Lanes>(const float* base, const LaneInt& index, Lanes (&out)[8]) {
   alignas(64) int32_t at[16];
-  store(at, index);
-  auto row = [&](int i) { return _mm256_load_ps(base + 8 * int64_t(at[i])); };
+  store(at, index << 3);
+  auto row = [&](int i) { return _mm256_load_ps(base + at[i]); };
   // r[i]: rows i and 4 + i; r[4 + i]: rows 8 + i and 12 + i.
   __m512 r[8], t[8];
   for (int i = 0; i < 4; ++i) {
@@ -72,8 +78,8 @@ FACETA_INLINE void load_octets<Lanes>(const float* base, const LaneInt& index, L
 template <>
 FACETA_INLINE void load_quads<Lanes>(const float* base, const LaneInt& index, Lanes (&out)[4]) {
   alignas(64) int32_t at[16];
-  store(at, index);
-  auto quad = [&](int i) { return _mm_loadu_ps(base + 4 * int64_t(at[i])); };
+  store(at, index << 2);
+  auto quad = [&](int i) { return _mm_loadu_ps(base + at[i]); };
   __m512 r[4]; // r[j]: lanes j, 4 + j, 8 + j, 12 + j
   for (int j = 0; j < 4; ++j) {
     r[j] = _mm512_castps128_ps512(quad(j));
@@ -198,10 +204,10 @@ FACETA_INLINE void transpose8(__m256 (&r)[8]) {
 template <>
 FACETA_INLINE void load_octets<Lanes>(const float* base, const LaneInt& index, Lanes (&out)[8]) {
   alignas(32) int32_t at[8];
-  store(at, index);
+  store(at, index << 3);
   __m256 r[8];
   for (int i = 0; i < 8; ++i)
-    r[i] = _mm256_load_ps(base + 8 * int64_t(at[i]));
+    r[i] = _mm256_load_ps(base + at[i]);
   transpose8(r);
   for (int i = 0; i < 8; ++i)
     out[i].v.raw = r[i];
@@ -209,8 +215,8 @@ FACETA_INLINE void load_octets<Lanes>(const float* base, const LaneInt& index, L
 template <>
 FACETA_INLINE void load_quads<Lanes>(const float* base, const LaneInt& index, Lanes (&out)[4]) {
   alignas(32) int32_t at[8];
-  store(at, index);
-  auto quad = [&](int i) { return _mm_loadu_ps(base + 4 * int64_t(at[i])); };
+  store(at, index << 2);
+  auto quad = [&](int i) { return _mm_loadu_ps(base + at[i]); };
   __m256 r[4]; // r[j]: lanes j, 4 + j
   for (int j = 0; j < 4; ++j)
     r[j] = _mm256_insertf128_ps(_mm256_castps128_ps256(quad(j)), quad(4 + j), 1);

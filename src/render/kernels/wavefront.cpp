@@ -306,28 +306,52 @@ void Wavefront::clear_alpha(const I& slot, M mask) {
     radiance_[4 * size_t(slots[__builtin_ctz(bits)]) + 3] = 0;
 }
 
-void Wavefront::shade_misses(const int32_t* order, int n) {
+void Wavefront::begin_misses(const int32_t* order, int n, Misses& m) const {
+  m.active = first_lanes<T>(n);
+  load_paths(order, m.path);
   const EnvironmentView& e = scene_.environment;
+  if (e.columns == 0)
+    return;
+  m.spot = environment_spot(e, m.path.d);
+  prefetch_cells(m.spot.cell);
+}
+
+void Wavefront::shade_misses(const int32_t* order, int n) {
+  Misses groups[2]; // while one is shaded, the memory that the next needs is on its way
+  begin_misses(order, n, groups[0]);
   for (int i = 0; i < n; i += W) {
-    M active = first_lanes<T>(n - i);
-    PathLanes path;
-    load_paths(order + i, path);
-    M direct =
-        active & (job_.settings.alpha_of_hits ? path.depth == I(0) : path.pdf == T(kUnscattered));
-    if (job_.settings.alpha_of_hits || !environment_is_seen())
-      clear_alpha(path.slot, direct);
-    if (!e.present)
-      continue;
-    EnvironmentLight<T> light = environment_light(e, path.d);
-    auto mis = path.pdf > T(0);
-    T other = light.pdf * T(e.probability * job_.settings.light_fraction);
-    T weight = select(
-        mis, power_heuristic(max(path.pdf, T(1e-30f)) * T(job_.settings.bsdf_fraction), other),
-        T(1));
-    if (job_.settings.hide_emitters)
-      active = active & !direct;
-    add(path.throughput * light.radiance * weight, path.slot, active);
+    int k = (i / W) & 1;
+    if (i + W < n)
+      begin_misses(order + i + W, n - i - W, groups[k ^ 1]);
+    finish_misses(groups[k]);
   }
+}
+
+void Wavefront::finish_misses(const Misses& m) {
+  const EnvironmentView& e = scene_.environment;
+  const PathLanes& path = m.path;
+  M active = m.active;
+  M direct =
+      active & (job_.settings.alpha_of_hits ? path.depth == I(0) : path.pdf == T(kUnscattered));
+  if (job_.settings.alpha_of_hits || !environment_is_seen())
+    clear_alpha(path.slot, direct);
+  if (!e.present)
+    return;
+  EnvironmentLight<T> light = e.columns ? environment_light(e, m.spot) : constant_environment<T>(e);
+  auto mis = path.pdf > T(0);
+  T other = light.pdf * T(e.probability * job_.settings.light_fraction);
+  T weight = select(
+      mis, power_heuristic(max(path.pdf, T(1e-30f)) * T(job_.settings.bsdf_fraction), other), T(1));
+  if (job_.settings.hide_emitters)
+    active = active & !direct;
+  add(path.throughput * light.radiance * weight, path.slot, active);
+}
+
+void Wavefront::prefetch_cells(const I& cells) const {
+  alignas(64) int32_t at[W];
+  store(at, cells);
+  for (int k = 0; k < W; ++k)
+    __builtin_prefetch(scene_.environment.cells + at[k]);
 }
 
 } // namespace faceta

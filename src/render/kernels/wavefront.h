@@ -103,6 +103,12 @@ private:
     Vec2<T> place, next_choice; // on the environment: to sample here, and at the next vertex
     M active;
   };
+  // Lanes of paths that left the scene.
+  struct Misses {
+    PathLanes path;
+    EnvironmentSpot<T> spot;
+    M active;
+  };
   // Chunks in flight; finished in order.
   struct ChunkState {
     Chunk chunk;
@@ -121,6 +127,9 @@ private:
   I hit_keys(const I& code) const;
   void sort();
   void shade_misses(const int32_t* order, int n);
+  void begin_misses(const int32_t* order, int n, Misses& m) const;
+  void finish_misses(const Misses& m);
+  void prefetch_cells(const I& cells) const;
   void shade_class(const ClassView& c, int first, int n);
   void begin_group(const ClassView& c, int first, int n, Group& g) const;
   void shade_group(const ClassView& c, Group& g);

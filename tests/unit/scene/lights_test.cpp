@@ -19,9 +19,8 @@ constexpr double kPi = std::numbers::pi;
 /// An upper bound of what arrives at p from a node, by angles (Pharr, Jakob and Humphreys 2023,
 /// section 12.6.3): 0 only where nothing can.
 double importance(const LightNode& node, const Double3& p) {
-  Double3 low = test::load(node.low), high = test::load(node.high);
-  Double3 centre = scale(add(low, high), 0.5), offset = sub(p, centre);
-  double radius = 0.5 * length(sub(high, low)), distance = length(offset);
+  Double3 offset = sub(p, test::load(node.center));
+  double radius = std::sqrt(node.radius2), distance = length(offset);
   if (distance <= radius)
     return node.power / std::max(radius * radius, 1e-12);
   double angle = std::acos(std::clamp(dot(offset, test::load(node.axis)) / distance, -1.0, 1.0));
@@ -170,6 +169,30 @@ void collect(const LightNode* nodes, int node, std::vector<const LightNode*>& le
       collect(nodes, nodes[node].child + k, leaves);
 }
 
+/// Points of a light that lie farthest out, of disks and cylinders its middle only.
+std::vector<Double3> extremes(const LightRecord& l, const LightNode& leaf) {
+  Double3 p = test::load(l.p), a = add(p, test::load(l.e1)), b = add(p, test::load(l.e2));
+  switch (static_cast<LightType>(l.type)) {
+  case LightType::triangle:
+    return {p, a, b};
+  case LightType::rectangle:
+    return {p, a, b, sub(add(a, b), p)};
+  case LightType::sphere: {
+    std::vector<Double3> points;
+    for (double reach : {-l.radius, l.radius})
+      for (int k = 0; k < 3; ++k) {
+        points.push_back(p);
+        points.back()[k] += reach;
+      }
+    return points;
+  }
+  case LightType::point:
+    return {p};
+  default:
+    return {test::load(leaf.center)};
+  }
+}
+
 TEST(LightTree, NodesBoundTheirLights) {
   Scene scene;
   add_many_lights(scene, 40);
@@ -186,10 +209,9 @@ TEST(LightTree, NodesBoundTheirLights) {
     double power = 0;
     for (const LightNode* leaf : leaves) {
       power += leaf->power;
-      for (int k = 0; k < 3; ++k) {
-        EXPECT_LE(n.low[k], leaf->low[k]);
-        EXPECT_GE(n.high[k], leaf->high[k]);
-      }
+      for (const Double3& p : extremes(scene.view().lights[leaf->light], *leaf))
+        EXPECT_LE(length(sub(p, test::load(n.center))), std::sqrt(n.radius2) + 1e-6);
+      EXPECT_NEAR(n.sin_spread, std::sqrt(1 - n.cos_spread * n.cos_spread), 1e-6);
       if (n.cos_spread <= -1)
         continue;
       Double3 a = test::load(n.axis), b = test::load(leaf->axis);

@@ -85,7 +85,10 @@ void environment(const EnvironmentView& e, const EnvironmentAnswers& a, int n) {
   for (int i = 0; i < n; i += kWidthOf<T>) {
     Vec3<T> d{load<T>(a.direction[0] + i), load<T>(a.direction[1] + i),
               load<T>(a.direction[2] + i)};
-    store_light(a, i, environment_light<T>(e, d));
+    EnvironmentLight<T> light =
+        e.columns ? environment_light(e, environment_spot(e, d)) : constant_environment<T>(e);
+    light.direction = d;
+    store_light(a, i, light);
   }
 }
 
