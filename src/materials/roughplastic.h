@@ -79,14 +79,14 @@ template <class T> struct RoughPlastic {
     internal_reflectance = coat.internal_reflectance;
     transmittance = once.add_table(coat.transmittance);
   }
-  void prepare() {
+  FACETA_INLINE void prepare() {
     eta_ = int_ior / ext_ior;
     base_ = diffuse_reflectance.map([&](const T& rho) {
       return rho / (sqr(eta_) * (T(1) - internal_reflectance * (nonlinear ? rho : T(1))));
     });
   }
 
-  Eval<T> eval(const Vec3<T>& wo, const Vec3<T>& wi, const Context<T>&) const {
+  FACETA_INLINE Eval<T> eval(const Vec3<T>& wo, const Vec3<T>& wi, const Context<T>&) const {
     auto above = (wo.z > T(0)) & (wi.z > T(0));
     MicrofacetReflection<T> coat = surface().reflection(wo, wi);
     T f = fresnel_dielectric(coat.cos_h(), eta_).reflectance;
@@ -97,7 +97,8 @@ template <class T> struct RoughPlastic {
             fma(lobe.specular, coat.pdf, lobe.diffuse * cosine)};
   }
 
-  Sample<T> sample(const Vec3<T>& wo, const Random<T>& random, const Context<T>& context) const {
+  FACETA_INLINE Sample<T> sample(const Vec3<T>& wo, const Random<T>& random,
+                                 const Context<T>& context) const {
     T to = transmittance.interpolate(wo.z, kNodes), p = choice(T(1) - to, to).specular;
     Sample<T> s;
     s.wi = select(random.uc < p, surface().sample_reflection(wo, random.u),

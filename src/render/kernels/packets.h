@@ -18,20 +18,17 @@ struct HitArrays {
   FACETA_INLINE HitArrays from(int i) const { return {codes + i, distances + i}; }
 };
 
-/// What a hit lies on: the record of a triangle or quadric (of the first triangle for a miss).
-FACETA_INLINE const char* hit_record(const SceneView& scene, int32_t code) {
-  static_assert(sizeof(QuadricRecord) == sizeof(TriangleRecord));
-  const char* triangles = reinterpret_cast<const char*>(scene.triangles);
-  const char* quadrics = reinterpret_cast<const char*>(scene.quadrics);
-  const char* base = code >= kQuadricHit ? quadrics : triangles;
-  int32_t index = code == kNoHit ? 0 : code & (kQuadricHit - 1);
-  return base + index * int64_t(sizeof(TriangleRecord));
-}
-
-/// Fetches ahead what shading hit k will read: Embree has just emptied the caches, and while it
-/// traces the next packet there is time.
+/// Fetches ahead what shading hit k will read, the record of a triangle or quadric: Embree has just
+/// emptied the caches, and while it traces the next packet there is time.
 FACETA_INLINE void prefetch_hit(const SceneView& scene, const HitArrays& hits, int k) {
-  const char* record = hit_record(scene, hits.codes[k]);
+  static_assert(sizeof(QuadricRecord) == sizeof(TriangleRecord));
+  int32_t code = hits.codes[k];
+  const char* base = reinterpret_cast<const char*>(scene.triangles);
+  if (scene.quadric_count > 0 && code >= kQuadricHit) {
+    base = reinterpret_cast<const char*>(scene.quadrics);
+    code -= kQuadricHit;
+  }
+  const char* record = base + code * int64_t(sizeof(TriangleRecord));
   __builtin_prefetch(record);
   __builtin_prefetch(record + 64);
 }
