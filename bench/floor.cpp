@@ -24,7 +24,7 @@ constexpr double kRecordBytes = 400e6; ///< doubled while a vector grows, double
 struct Options {
   std::string json, shared, scenes, sampler;
   std::vector<std::string> only, isas;
-  int rounds = 5, spp = 0;
+  int rounds = 9, spp = 0;
   double seconds = 1.5; ///< about what one render of a round should take
 };
 
@@ -71,12 +71,14 @@ void pack_fastest(Replay& replay) {
       fmt::print("  note: packets of {} hit otherwise than single rays: closest {} and {}, shadow "
                  "{} and {}\n",
                  width, hits[1], expected[1], hits[2], expected[2]);
-    std::array<double, kRayKinds> seconds = replay.run_by_kind();
-    for (int k = 1; k < kRayKinds; ++k)
-      if (width == 1 || seconds[k] < least[k]) {
-        least[k] = seconds[k];
-        best[k] = width;
-      }
+    for (int repeat = 0; repeat < 3; ++repeat) { // the least: what else the machine does only adds
+      std::array<double, kRayKinds> seconds = replay.run_by_kind();
+      for (int k = 1; k < kRayKinds; ++k)
+        if ((width == 1 && repeat == 0) || seconds[k] < least[k]) {
+          least[k] = seconds[k];
+          best[k] = width;
+        }
+    }
   }
   replay.pack(best);
 }
