@@ -190,10 +190,10 @@ void prefetch_texture(const TextureView* textures, int id, const Vec2<T>& uv, Ma
   for (uint32_t bits = mask_bits(active); bits; bits &= bits - 1) {
     int i = __builtin_ctz(bits);
     if (t.type == TextureType::bitmap8) {
-      __builtin_prefetch(t.texels8 + first[i]);
+      prefetch_once(t.texels8 + first[i]);
     } else {
-      __builtin_prefetch(t.texels + 4 * size_t(first[i]));
-      __builtin_prefetch(t.texels + 4 * size_t(first[i] + kTileSide));
+      prefetch_once(t.texels + 4 * size_t(first[i]));
+      prefetch_once(t.texels + 4 * size_t(first[i] + kTileSide));
     }
   }
 }

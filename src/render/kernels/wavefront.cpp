@@ -351,7 +351,7 @@ void Wavefront::prefetch_cells(const I& cells) const {
   alignas(64) int32_t at[W];
   store(at, cells);
   for (int k = 0; k < W; ++k)
-    __builtin_prefetch(scene_.environment.cells + at[k]);
+    prefetch_once(scene_.environment.cells + at[k]);
 }
 
 } // namespace faceta
