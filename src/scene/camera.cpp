@@ -1,6 +1,5 @@
 #include "scene/camera.h"
 
-#include "bsdf/kernel.h"
 #include "image/image.h"
 #include "scene/affine.h"
 
@@ -14,7 +13,6 @@ using namespace double3;
 
 namespace {
 
-// A power of two: the kernels search by halving.
 constexpr int kStepsPerCell = 32;
 
 void check_camera(const CameraDesc& camera, const FilmDesc& film) {

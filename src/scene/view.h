@@ -202,7 +202,7 @@ struct FilterView {
   int32_t cells;      ///< kFilterCells; 0: box of radius 1/2
   const float* share; ///< cells + 1 values from 0 to 1 at equidistant distances 0 .. radius
 };
-inline constexpr int kFilterCells = 32;
+inline constexpr int kFilterCells = 32; ///< a power of two: kernels search by halving
 
 struct SceneView {
   RTCSceneTy* embree;

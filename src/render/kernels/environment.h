@@ -27,18 +27,11 @@ template <class T> struct EnvironmentSpot {
   T fx, fy, sin_theta;
 };
 
-/// The cell of a place, kept on the image.
-template <class T>
-FACETA_INLINE IntOf<T> environment_cell_at(const EnvironmentView& e, const T& x, const T& y) {
-  using I = IntOf<T>;
-  I column = min(to_int(x), I(e.columns - 1)), row = min(to_int(y), I(e.rows - 1));
-  return row * I(e.columns) + column;
-}
-
+/// The spot at (x, y) in cells, kept on the image.
 template <class T> FACETA_INLINE EnvironmentSpot<T>
 environment_spot(const EnvironmentView& e, const T& x, const T& y, const T& sin_theta) {
   T cx = min(floor(x), T(float(e.columns - 1))), cy = min(floor(y), T(float(e.rows - 1)));
-  return {environment_cell_at(e, x, y), x - cx, y - cy, sin_theta};
+  return {to_int(cy) * IntOf<T>(e.columns) + to_int(cx), x - cx, y - cy, sin_theta};
 }
 
 /// Where a world direction meets the image.

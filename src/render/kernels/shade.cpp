@@ -168,7 +168,7 @@ void Wavefront::begin_group(const ClassView& c, int first, int n, Group& g) cons
     Neighbours<T> place = gather_pair<T>(places_, index << 1);
     g.place = {place.first, place.second};
     g.next_choice = environment_choice(stream_of(g.path), first_pair(g.path.depth + I(1)));
-    prefetch_cells(environment_cell_at(e, g.place.x, g.place.y));
+    prefetch_cells(environment_spot(e, g.place.x, g.place.y, T(0)).cell);
   }
 }
 

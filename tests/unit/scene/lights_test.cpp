@@ -169,28 +169,35 @@ void collect(const LightNode* nodes, int node, std::vector<const LightNode*>& le
       collect(nodes, nodes[node].child + k, leaves);
 }
 
-/// Points of a light that lie farthest out, of disks and cylinders its middle only.
-std::vector<Double3> extremes(const LightRecord& l, const LightNode& leaf) {
+/// Points that enclose a light or lie on its rim.
+std::vector<Double3> extremes(const SceneView& view, const LightRecord& l) {
   Double3 p = test::load(l.p), a = add(p, test::load(l.e1)), b = add(p, test::load(l.e2));
-  switch (static_cast<LightType>(l.type)) {
-  case LightType::triangle:
+  auto type = static_cast<LightType>(l.type);
+  if (type == LightType::triangle)
     return {p, a, b};
-  case LightType::rectangle:
+  if (type == LightType::rectangle)
     return {p, a, b, sub(add(a, b), p)};
-  case LightType::sphere: {
-    std::vector<Double3> points;
-    for (double reach : {-l.radius, l.radius})
-      for (int k = 0; k < 3; ++k) {
-        points.push_back(p);
-        points.back()[k] += reach;
-      }
+  if (type == LightType::point)
+    return {p};
+  std::vector<Double3> points;
+  if (type == LightType::sphere) {
+    for (int corner = 0; corner < 8; ++corner) {
+      points.push_back(p);
+      for (int k = 0; k < 3; ++k)
+        points.back()[k] += corner >> k & 1 ? l.radius : -l.radius;
+    }
     return points;
   }
-  case LightType::point:
-    return {p};
-  default:
-    return {test::load(leaf.center)};
+  const float* m = view.quadrics[l.primitive].to_world;
+  for (int i = 0; i < 64; ++i) {
+    double phi = 2 * kPi * i / 32, z = type == LightType::cylinder ? i / 32 : 0;
+    Double3 q;
+    for (int k = 0; k < 3; ++k)
+      q[k] =
+          m[4 * k] * std::cos(phi) + m[4 * k + 1] * std::sin(phi) + m[4 * k + 2] * z + m[4 * k + 3];
+    points.push_back(q);
   }
+  return points;
 }
 
 TEST(LightTree, NodesBoundTheirLights) {
@@ -209,7 +216,7 @@ TEST(LightTree, NodesBoundTheirLights) {
     double power = 0;
     for (const LightNode* leaf : leaves) {
       power += leaf->power;
-      for (const Double3& p : extremes(scene.view().lights[leaf->light], *leaf))
+      for (const Double3& p : extremes(scene.view(), scene.view().lights[leaf->light]))
         EXPECT_LE(length(sub(p, test::load(n.center))), std::sqrt(n.radius2) + 1e-6);
       EXPECT_NEAR(n.sin_spread, std::sqrt(1 - n.cos_spread * n.cos_spread), 1e-6);
       if (n.cos_spread <= -1)
