@@ -6,6 +6,7 @@
 #include <cmath>
 #include <embree3/rtcore.h>
 #include <limits>
+#include <tbb/parallel_for.h>
 
 namespace faceta {
 
@@ -69,6 +70,12 @@ bool count_memory(void* counter, ssize_t bytes, bool) {
   return true;
 }
 
+/// All tasks that a thread starts have the floating-point mode it had when it first used TBB. With
+/// Embree that would be one that flushes denormals, whatever the tasks are for.
+void start_tbb() {
+  tbb::parallel_for(0, 2, [](int) {});
+}
+
 } // namespace
 
 Accelerator::~Accelerator() {
@@ -88,6 +95,7 @@ void Accelerator::check(const char* what) const {
 }
 
 void Accelerator::build(SceneGeometry& geometry) {
+  start_tbb();
   // One instruction set on all machines that have it: Embree's sets differ in the last bits.
   device_ = rtcNewDevice(__builtin_cpu_supports("avx2") ? "isa=avx2" : "");
   check("start");
