@@ -152,6 +152,15 @@ struct Descriptor {
         return &p;
     return nullptr;
   }
+  /// The slots that parameters give, each once: not derived ones, no tables.
+  std::vector<int> parameter_slots() const {
+    std::vector<int> list;
+    for (const ParamInfo& p : params)
+      for (int k = 0; p.slot >= 0 && k < p.slots; ++k)
+        if (std::find(list.begin(), list.end(), p.slot + k) == list.end())
+          list.push_back(p.slot + k);
+    return list;
+  }
   std::vector<std::string> param_names() const {
     std::vector<std::string> names;
     for (const ParamInfo& p : params)

@@ -202,6 +202,14 @@ std::string Parameters::given_name(const std::string& param) const {
   return found == set_.end() ? std::string() : found->second;
 }
 
+Settings Parameters::given() const {
+  Settings settings;
+  for (const ParamInfo& p : descriptor().params)
+    if (was_set(p.name))
+      settings.emplace_back(p.name, text(p.name));
+  return settings;
+}
+
 std::string Parameters::text(const std::string& param) const {
   const ParamInfo& p = info(param, {});
   if (p.choice >= 0)

@@ -136,6 +136,8 @@ public:
   bool was_set(const std::string& name) const { return set_.count(name) != 0; }
   const std::vector<double>& slots() const { return slots_; }
   const std::vector<int32_t>& choices() const { return choices_; }
+  /// Those that were set, with their texts: set() of each makes the same parameters again.
+  Settings given() const;
   /// The name a parameter was given by ("Au", "bk7"), empty if by number.
   std::string given_name(const std::string& param) const;
   /// The value as text that set() reads back to the same numbers.

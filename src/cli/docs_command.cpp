@@ -1,10 +1,9 @@
 #include "cli/commands.h"
 #include "cli/docs_pages.h"
+#include "cli/exemplars.h"
 #include "cli/gallery.h"
 #include "cli/suite_progress.h"
 #include "formats/material_docs.h"
-#include "formats/material_json.h"
-#include "formats/material_xml.h"
 #include "formats/output_file.h"
 #include "image/io.h"
 #include "verify/html.h"
@@ -57,13 +56,12 @@ struct Site {
 
   Site() {
     for (const auto& model : Registry::global().models())
-      add(model->descriptor, model.get());
+      add({&model->descriptor, model.get(), nullptr, {}});
     for (const SceneNode& node : scene_nodes())
-      add(node.descriptor, nullptr);
+      add({&node.descriptor, nullptr, &node, {}});
   }
-  void add(const Descriptor& d, const Model* model) {
-    DocsMaterial material{&d, model, {}};
-    for (PictureWish& wish : picture_wishes(gallery, d)) {
+  void add(DocsMaterial material) {
+    for (PictureWish& wish : picture_wishes(gallery, *material.descriptor)) {
       material.pictures.push_back(wish.picture);
       pictures.push_back(std::move(wish));
     }
@@ -84,8 +82,7 @@ struct Site {
 // --- Writing ---
 
 DocsResults find_results(bool quiet) {
-  round_trips().emplace_back("xml", through_xml);
-  round_trips().emplace_back("json", through_json);
+  add_round_trips();
   std::vector<SuiteSubject> subjects;
   std::vector<const Model*> models;
   for (const auto& model : Registry::global().models()) {
@@ -93,6 +90,9 @@ DocsResults find_results(bool quiet) {
     for (SuiteSubject& s : exemplar_subjects(*model))
       subjects.push_back(std::move(s));
   }
+  for (const SceneNode& node : scene_nodes())
+    for (SuiteSubject& s : node_subjects(node))
+      subjects.push_back(std::move(s));
   DocsResults results;
   results.version = FACETA_VERSION;
   SuiteOptions options;
@@ -246,9 +246,8 @@ int check_site(const Site& site, const fs::path& folder) {
     complaints.push_back(path.string() + " belongs to no material");
   std::string report = read_file(folder / "report.html").value_or("");
   for (const DocsMaterial& m : site.materials)
-    for (size_t i = 0; m.model && i < m.descriptor->exemplars.size(); ++i)
-      if (std::string name = m.descriptor->name + "/" + m.descriptor->exemplars[i].name;
-          report.find(html::element("b", name)) == std::string::npos)
+    for (const std::string& name : exemplar_names(m))
+      if (report.find(html::element("b", name)) == std::string::npos)
         complain("report.html", "lacks " + name);
   for (const std::string& line : complaints)
     std::printf("%s\n", line.c_str());

@@ -1,5 +1,6 @@
 #include "cli/docs_pages.h"
 
+#include "cli/exemplars.h"
 #include "formats/material_docs.h"
 #include "verify/plot_data.h"
 #include "verify/report_html.h"
@@ -86,8 +87,23 @@ std::string values(const SuiteSubject& s) {
   return text + "-->\n";
 }
 
+std::string sets_table(const std::string& second, const std::string& rows) {
+  return "<h2>Parameter sets</h2>\n<p>Those that are proved and measured.</p>\n" +
+         html::scrolling("<table><thead><tr><th>name</th>" + element("th", second) +
+                         "</tr></thead><tbody>\n" + rows + "</tbody></table>");
+}
+
+std::string parameter_sets(const SceneNode& node) {
+  std::string rows, text;
+  for (const auto& [name, xml] : node.exemplars)
+    rows += "<tr>" + element("td", name) + "<td>" + element("pre", xml) + "</td></tr>\n";
+  for (const SuiteSubject& s : node_subjects(node))
+    text += values(s);
+  return sets_table("in a scene file", rows) + text;
+}
+
 std::string parameter_sets(const Model& model) {
-  std::string text = "<h2>Parameter sets</h2>\n<p>Those that are proved and measured.</p>\n", rows;
+  std::string text, rows;
   for (const Exemplar& e : model.descriptor.exemplars) {
     std::string settings;
     for (const auto& [key, value] : e.settings)
@@ -96,47 +112,52 @@ std::string parameter_sets(const Model& model) {
             (settings.empty() ? "defaults" : settings) +
             (e.lossless ? "<small>loses nothing</small>" : "") + "</td></tr>\n";
   }
-  text += html::scrolling("<table><thead><tr><th>name</th><th>settings</th>"
-                          "</tr></thead><tbody>\n" +
-                          rows + "</tbody></table>");
   for (const SuiteSubject& s : exemplar_subjects(model))
     text += values(s);
-  return text;
+  return sets_table("settings", rows) + text;
 }
 
 const char* kReport = "../report.html";
 
-std::string card(const Model& model, const DocsResults& results) {
+std::string card(const Descriptor& d, const DocsResults& results) {
   const SuiteReport& report = results.report;
   std::vector<std::string> ids = report::subject_ids(report);
   std::string text;
   for (const report::ModelGroup& group : report::group_by_model(report)) {
-    if (group.model != &model)
+    if (group.descriptor->name != d.name)
       continue;
     text += report::subject_matrix(report, group, ids, kReport) + report::matrix_legend();
     if (group.report)
       text += report::property_table(report.model_properties, group.report->results);
     size_t first = group.subjects.at(0);
     text += "<h2>In figures</h2>\n<p>The first parameter set; the others are in the " +
-            link(std::string(kReport) + "#model-" + html::slug(model.name()), "report card") +
+            link(std::string(kReport) + "#model-" + html::slug(d.name), "report card") +
             ", which also says how to read the plots.</p>\n" +
             report::subject_card(report, first, ids[first], &results.plots.at(first), true);
   }
   return text;
 }
 
-std::string try_it(const Descriptor& d, const Model* model) {
+std::string try_it(const Descriptor& d, bool is_model) {
   std::string text = "<h2>In a scene file</h2>\n" + element("pre", material_xml_snippet(d)) + "\n";
-  if (model)
-    text += "<h2>On the command line</h2>\n" +
-            element("pre", fmt::format("faceta materials {0}\nfaceta plot {0} -o {0}.svg\n"
-                                       "faceta verify {0} --html {0}.html\n",
-                                       d.name)) +
-            "\n";
-  return text;
+  std::string plot = is_model ? fmt::format("faceta plot {0} -o {0}.svg\n", d.name) : "";
+  return text + "<h2>On the command line</h2>\n" +
+         element("pre", fmt::format("faceta materials {0}\n{1}faceta verify {0} --html {0}.html\n",
+                                    d.name, plot)) +
+         "\n";
 }
 
 } // namespace
+
+std::vector<std::string> exemplar_names(const DocsMaterial& m) {
+  std::vector<std::string> names;
+  for (const Exemplar& e : m.descriptor->exemplars)
+    names.push_back(m.descriptor->name + "/" + e.name);
+  if (m.node)
+    for (const auto& [name, xml] : m.node->exemplars)
+      names.push_back(m.descriptor->name + "/" + name);
+  return names;
+}
 
 std::string material_page(const DocsMaterial& material, const DocsResults* results) {
   const Descriptor& d = *material.descriptor;
@@ -151,12 +172,11 @@ std::string material_page(const DocsMaterial& material, const DocsResults* resul
   body += "<h2>Equation</h2>\n" + element("pre", d.equation) + "\n";
   if (std::string lobes = lobes_summary(d); !lobes.empty())
     body += "<p>Lobes: " + escape(lobes) + ".</p>\n";
-  body += parameters(d) + list("Notes", d.notes) + exceptions(d) + try_it(d, material.model);
+  body +=
+      parameters(d) + list("Notes", d.notes) + exceptions(d) + try_it(d, material.model != nullptr);
   body += list("References", d.references);
-  if (material.model) {
-    body += parameter_sets(*material.model) + "<h2>Report card</h2>\n";
-    body += measured(results ? card(*material.model, *results) : "");
-  }
+  body += material.model ? parameter_sets(*material.model) : parameter_sets(*material.node);
+  body += "<h2>Report card</h2>\n" + measured(results ? card(d, *results) : "");
   return html::page(d.name + ": " + d.title, body);
 }
 
@@ -180,7 +200,7 @@ std::string index_page(const std::vector<DocsMaterial>& materials, const DocsRes
   std::string text;
   if (results) {
     auto target = [](const report::ModelGroup& g) {
-      return "report.html#model-" + html::slug(g.model->name());
+      return "report.html#model-" + html::slug(g.descriptor->name);
     };
     text = report::model_matrix(results->report, report::group_by_model(results->report), target) +
            report::matrix_legend();

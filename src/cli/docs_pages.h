@@ -18,7 +18,8 @@ struct DocsPicture {
 /// A model or a node of scene files.
 struct DocsMaterial {
   const Descriptor* descriptor;
-  const Model* model; ///< null for a node
+  const Model* model;    ///< null for a node
+  const SceneNode* node; ///< null for a model
   std::vector<DocsPicture> pictures;
 };
 
@@ -36,6 +37,9 @@ inline constexpr const char* kMeasuredEnd = "<!--/measured-->";
 /// A line that begins so holds numbers, values of a parameter set, that may be off a little.
 inline constexpr const char* kValuesBegin = "<!--values ";
 
+std::vector<std::string> exemplar_names(const DocsMaterial& material);
+/// "model/exemplar" of each parameter set of a material.
+std::vector<std::string> exemplar_names(const DocsMaterial& material);
 /// The page of one material, to stand in materials/. `results` may be null.
 std::string material_page(const DocsMaterial& material, const DocsResults* results);
 /// The first page. `results` may be null.

@@ -1,8 +1,7 @@
 #include "cli/commands.h"
+#include "cli/exemplars.h"
 #include "cli/suite_progress.h"
-#include "formats/material_docs.h"
-#include "formats/material_json.h"
-#include "formats/material_xml.h"
+#include "formats/mitsuba_scene.h"
 #include "formats/output_file.h"
 #include "verify/report_html.h"
 #include "verify/suite_report.h"
@@ -22,6 +21,10 @@ struct Subjects {
   std::vector<const Model*> models; ///< asked as a whole
   std::vector<std::string> notes;
 
+  void add_node(const SceneNode& node) {
+    for (SuiteSubject& s : node_subjects(node))
+      subjects.push_back(std::move(s));
+  }
   void add_model(const Model& model) {
     if (std::find(models.begin(), models.end(), &model) != models.end())
       return;
@@ -37,13 +40,18 @@ void add_target(const VerifyTarget& target, const Settings& defines, Subjects& a
     options.defines = defines;
     options.warn = [&](const std::string& text) { all.notes.push_back(text); };
     Scene scene;
-    add_scene_subjects(read_mitsuba_materials(target.name, scene, options), all.subjects,
+    add_scene_subjects(read_mitsuba_materials(target.name, scene, options), scene, all.subjects,
                        all.notes);
     return;
   }
-  if (find_scene_node(target.name))
-    throw Error("'" + target.name + "' puts materials of a scene file together", {},
-                "verify the scene file");
+  for (const SceneNode& node : scene_nodes())
+    if (node.descriptor.name == target.name) {
+      if (!target.settings.empty())
+        throw Error("'" + target.name + "' puts materials of a scene file together", {},
+                    "verify the scene file, or '" + target.name + "' without settings");
+      all.add_node(node);
+      return;
+    }
   const Model& model = Registry::global().get(target.name);
   if (target.settings.empty())
     all.add_model(model);
@@ -58,6 +66,9 @@ Subjects choose_subjects(const VerifyOptions& options) {
   if (options.targets.empty())
     for (const auto& model : Registry::global().models())
       all.add_model(*model);
+  for (const SceneNode& node : scene_nodes())
+    if (options.targets.empty())
+      all.add_node(node);
   return all;
 }
 
@@ -75,8 +86,7 @@ int run_verify(const VerifyOptions& options) {
     std::fputs(list_properties().c_str(), stdout);
     return kOk;
   }
-  round_trips().emplace_back("xml", through_xml);
-  round_trips().emplace_back("json", through_json);
+  add_round_trips();
   Subjects all = choose_subjects(options);
   SuiteOptions suite;
   suite.effort = options.full ? Effort::full : Effort::quick;

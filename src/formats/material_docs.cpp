@@ -266,6 +266,10 @@ Json material_json(const Descriptor& d) {
       settings[key] = value;
     j["exemplars"].push_back({{"name", e.name}, {"settings", settings}, {"lossless", e.lossless}});
   }
+  for (const SceneNode& node : scene_nodes())
+    if (node.descriptor.name == d.name)
+      for (const auto& [name, xml] : node.exemplars)
+        j["exemplars"].push_back({{"name", name}, {"xml", xml}});
   j["traits"] = {{"lobes", lobes_text(d.traits)},
                  {"reciprocal", d.traits.reciprocal},
                  {"albedo_bound", d.traits.albedo_bound},
@@ -310,6 +314,17 @@ std::string material_xml_snippet(const Descriptor& d) {
   if (body.empty())
     return fmt::format("<bsdf type=\"{}\"/>\n", d.name);
   return fmt::format("<bsdf type=\"{}\">\n{}</bsdf>\n", d.name, body);
+}
+
+const Descriptor& material_descriptor(const Registry& registry, const std::string& name) {
+  if (const Descriptor* node = find_scene_node(name))
+    return *node;
+  if (const Model* model = registry.find(name))
+    return model->descriptor;
+  std::vector<std::string> names = registry.names();
+  for (const SceneNode& node : scene_nodes())
+    names.push_back(node.descriptor.name);
+  throw Error("unknown material '" + name + "'", {}, suggestion(name, names));
 }
 
 std::string list_materials(const Registry& registry) {

@@ -1,23 +1,12 @@
 #pragma once
 
-#include "bsdf/registry.h"
+#include "scene/nodes.h"
 
 namespace faceta {
 
 /// What descriptors say of the models, for readers and for programs. Everything here is generated:
 /// a new model needs nothing. Behind the models stand the scene's nodes.
 
-/// A bsdf that exists in scene files only: it has no directions of its own to evaluate, but puts
-/// other bsdfs together, or lets light pass.
-struct SceneNode {
-  Descriptor descriptor; ///< without exemplars; traits.lobes is 0 where the nested bsdfs decide
-  std::string nested;    ///< of its XML snippet: what has no default, and the bsdfs, a line each
-};
-
-/// twosided, mask, blendbsdf, null.
-const std::vector<SceneNode>& scene_nodes();
-/// The descriptor of a node, or null.
-const Descriptor* find_scene_node(const std::string& name);
 /// The descriptor of a model or node. Error, with a suggestion, if there is none.
 const Descriptor& material_descriptor(const Registry& registry, const std::string& name);
 
@@ -34,7 +23,7 @@ std::string describe_material(const Descriptor& d);
 /// The same as a Markdown section.
 std::string describe_material_markdown(const Descriptor& d);
 /// The same as a JSON object: name, title, equation, role (model | node), parameters, references,
-/// notes, exceptions, exemplars, traits, xml.
+/// notes, exceptions, exemplars (name, settings and lossless; of nodes name and xml), traits, xml.
 std::string describe_material_json(const Descriptor& d);
 
 /// The parameters as a table of texts: a row of headings (name, kind, default, range, unit,

@@ -185,9 +185,8 @@ std::shared_ptr<MaterialNode> read_mitsuba_material(const std::filesystem::path&
   return mitsuba::Reader(&scene, options).read_material(node);
 }
 
-std::vector<std::pair<std::string, std::shared_ptr<MaterialNode>>>
-read_mitsuba_materials(const std::filesystem::path& path, Scene& scene,
-                       const ReadOptions& options) {
+NamedMaterials read_mitsuba_materials(const std::filesystem::path& path, Scene& scene,
+                                      const ReadOptions& options) {
   xml::NodePtr root = xml::parse_scene_file(path, mitsuba::parse_options(options));
   std::unordered_set<const xml::Node*> seen;
   std::vector<xml::NodePtr> bsdfs;
@@ -195,7 +194,7 @@ read_mitsuba_materials(const std::filesystem::path& path, Scene& scene,
   if (bsdfs.empty())
     throw Error("the scene has no bsdf", root->where);
   mitsuba::Reader reader(&scene, options);
-  std::vector<std::pair<std::string, std::shared_ptr<MaterialNode>>> materials;
+  NamedMaterials materials;
   for (const xml::NodePtr& bsdf : bsdfs)
     materials.emplace_back(bsdf->id, reader.read_material(bsdf));
   return materials;

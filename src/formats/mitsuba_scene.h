@@ -68,8 +68,7 @@ std::shared_ptr<MaterialNode> read_mitsuba_material(const std::filesystem::path&
 /// nested behind what holds it; a bsdf that several places refer to comes once. The file may also
 /// hold one <bsdf> instead of a <scene>. Nothing else of it is read, as above.
 /// @throws Error as above; also if there is no bsdf.
-std::vector<std::pair<std::string, std::shared_ptr<MaterialNode>>>
-read_mitsuba_materials(const std::filesystem::path& path, Scene& scene,
-                       const ReadOptions& options = {});
+NamedMaterials read_mitsuba_materials(const std::filesystem::path& path, Scene& scene,
+                                      const ReadOptions& options = {});
 
 } // namespace faceta

@@ -1,13 +1,16 @@
-#include "formats/material_docs.h"
+#include "scene/nodes.h"
 
 namespace faceta {
 
 namespace {
 
+using Kind = MaterialNode::Kind;
+
 /// Puts together the descriptor of a node.
-SceneNode make_node(const char* name, const char* title, const char* equation,
+SceneNode make_node(Kind kind, const char* name, const char* title, const char* equation,
                     std::vector<std::string> notes, const char* nested) {
   SceneNode node;
+  node.kind = kind;
   node.descriptor.name = name;
   node.descriptor.title = title;
   node.descriptor.equation = equation;
@@ -32,7 +35,7 @@ ParamInfo share(const char* name, const char* doc) {
 
 SceneNode make_twosided() {
   SceneNode node = make_node(
-      "twosided", "One-sided material on both sides",
+      Kind::twosided, "twosided", "One-sided material on both sides",
       "f(wo, wi) = f_front(wo, wi) above the surface, f_back(mirrored wo, mirrored wi) below",
       {"Nest one bsdf for both sides, or two: front, back.",
        "Bsdfs that transmit light, and mask and null, cannot be inside; put the twosided inside "
@@ -46,39 +49,127 @@ SceneNode make_twosided() {
   p.defaults = {0};
   p.choice = 0;
   node.descriptor.params = {p};
+  node.exemplars = {{"gold", R"(<bsdf version="3.0.0" type="twosided">
+  <bsdf type="roughconductor">
+    <string name="material" value="Au"/>
+    <float name="alpha_u" value="0.1"/>
+    <float name="alpha_v" value="0.3"/>
+  </bsdf>
+</bsdf>
+)"},
+                    {"paint on copper", R"(<bsdf version="3.0.0" type="twosided">
+  <bsdf type="roughplastic">
+    <rgb name="diffuse_reflectance" value="0.2, 0.4, 0.1"/>
+  </bsdf>
+  <bsdf type="conductor">
+    <string name="material" value="Cu"/>
+  </bsdf>
+</bsdf>
+)"},
+                    {"mixture inside", R"(<bsdf version="3.0.0" type="twosided">
+  <bsdf type="blendbsdf">
+    <float name="weight" value="0.35"/>
+    <bsdf type="orennayar"/>
+    <bsdf type="twosided">
+      <bsdf type="phong"/>
+    </bsdf>
+  </bsdf>
+</bsdf>
+)"}};
   return node;
 }
 
 SceneNode make_mask() {
   SceneNode node =
-      make_node("mask", "Material with holes", "f = opacity f_nested; straight on with 1 - opacity",
+      make_node(Kind::mask, "mask", "Material with holes",
+                "f = opacity f_nested; straight on with 1 - opacity",
                 {"Nest one bsdf.", "Of a colour or colour texture the mean counts.",
                  "Light is not sampled through the holes: it shines through when a path happens "
                  "to meet it."},
                 "  <bsdf type=\"diffuse\"/>\n");
   node.descriptor.params = {share("opacity", "share of the nested bsdf; the rest is a hole")};
+  node.exemplars = {{"leaf", R"(<bsdf version="3.0.0" type="mask">
+  <float name="opacity" value="0.7"/>
+  <bsdf type="twosided">
+    <bsdf type="diffuse">
+      <rgb name="reflectance" value="0.1, 0.5, 0.2"/>
+    </bsdf>
+  </bsdf>
+</bsdf>
+)"},
+                    {"holes in frosted glass", R"(<bsdf version="3.0.0" type="mask">
+  <float name="opacity" value="0.6"/>
+  <bsdf type="roughdielectric">
+    <float name="alpha" value="0.3"/>
+  </bsdf>
+</bsdf>
+)"},
+                    {"front only", R"(<bsdf version="3.0.0" type="mask">
+  <bsdf type="plastic"/>
+</bsdf>
+)"}};
   return node;
 }
 
 SceneNode make_blend() {
-  SceneNode node = make_node(
-      "blendbsdf", "Mixture of two materials", "f = (1 - weight) f_first + weight f_second",
-      {"Nest two bsdfs; they may be blends themselves.",
-       "Of a colour or colour texture the mean counts."},
-      "  <float name=\"weight\" value=\"0.5\"/>\n  <bsdf type=\"diffuse\"/>\n"
-      "  <bsdf type=\"conductor\"/>\n");
+  SceneNode node =
+      make_node(Kind::blend, "blendbsdf", "Mixture of two materials",
+                "f = (1 - weight) f_first + weight f_second",
+                {"Nest two bsdfs; they may be blends themselves.",
+                 "Of a colour or colour texture the mean counts."},
+                "  <float name=\"weight\" value=\"0.5\"/>\n  <bsdf type=\"diffuse\"/>\n"
+                "  <bsdf type=\"conductor\"/>\n");
   node.descriptor.params = {share("weight", "share of the second bsdf")};
   node.descriptor.params[0].defaults.clear();
+  node.exemplars = {{"rust", R"(<bsdf version="3.0.0" type="blendbsdf">
+  <float name="weight" value="0.3"/>
+  <bsdf type="roughconductor">
+    <string name="material" value="Cr"/>
+    <float name="alpha" value="0.2"/>
+  </bsdf>
+  <bsdf type="diffuse">
+    <rgb name="reflectance" value="0.4, 0.15, 0.05"/>
+  </bsdf>
+</bsdf>
+)"},
+                    {"dirty glass", R"(<bsdf version="3.0.0" type="blendbsdf">
+  <float name="weight" value="0.2"/>
+  <bsdf type="dielectric"/>
+  <bsdf type="twosided">
+    <bsdf type="diffuse"/>
+  </bsdf>
+</bsdf>
+)"},
+                    {"blend of blends", R"(<bsdf version="3.0.0" type="blendbsdf">
+  <float name="weight" value="0.75"/>
+  <bsdf type="blendbsdf">
+    <float name="weight" value="0.4"/>
+    <bsdf type="blinnphong"/>
+    <bsdf type="null"/>
+  </bsdf>
+  <bsdf type="blendbsdf">
+    <float name="weight" value="0.1"/>
+    <bsdf type="roughdielectric">
+      <float name="alpha" value="0.15"/>
+    </bsdf>
+    <bsdf type="twosided">
+      <bsdf type="ward"/>
+      <bsdf type="roughconductor"/>
+    </bsdf>
+  </bsdf>
+</bsdf>
+)"}};
   return node;
 }
 
 SceneNode make_null() {
   SceneNode node = make_node(
-      "null", "No surface at all", "light goes straight on",
+      Kind::null, "null", "No surface at all", "light goes straight on",
       {"It counts as a vertex of the path, and shadow rays do not pass it (see mask)."}, "");
   node.descriptor.traits.lobes = kNullLobe;
   node.descriptor.traits.delta = true;
   node.descriptor.traits.two_sided = true;
+  node.exemplars = {{"nothing", "<bsdf version=\"3.0.0\" type=\"null\"/>\n"}};
   return node;
 }
 
@@ -97,15 +188,11 @@ const Descriptor* find_scene_node(const std::string& name) {
   return nullptr;
 }
 
-const Descriptor& material_descriptor(const Registry& registry, const std::string& name) {
-  if (const Descriptor* node = find_scene_node(name))
-    return *node;
-  if (const Model* model = registry.find(name))
-    return model->descriptor;
-  std::vector<std::string> names = registry.names();
+const SceneNode& scene_node(Kind kind) {
   for (const SceneNode& node : scene_nodes())
-    names.push_back(node.descriptor.name);
-  throw Error("unknown material '" + name + "'", {}, suggestion(name, names));
+    if (node.kind == kind)
+      return node;
+  throw Error("a model is no node of scene files");
 }
 
 } // namespace faceta

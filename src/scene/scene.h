@@ -48,6 +48,9 @@ struct MaterialNode {
   SourcePosition where;
 };
 
+/// Materials with their ids, which may be empty.
+using NamedMaterials = std::vector<std::pair<std::string, std::shared_ptr<MaterialNode>>>;
+
 /// Light leaving a shape.
 struct AreaEmitter {
   TexturedValue radiance;
@@ -146,7 +149,7 @@ public:
   std::vector<SensorDesc> sensors;
   IntegratorDesc integrator;
   /// Named materials, for `faceta eval --scene --id`.
-  std::vector<std::pair<std::string, std::shared_ptr<MaterialNode>>> named_materials;
+  NamedMaterials named_materials;
 
   /// Builds Embree's tree (pinned to AVX2), programs, classes, the light BVH and the environment's
   /// tables for the kernels of an instruction set. Called again, only the kernels are exchanged.

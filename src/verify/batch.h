@@ -19,6 +19,7 @@ struct EvalBatch {
   Vec3<float> viewer(int i) const { return {wo[0][i], wo[1][i], wo[2][i]}; }
   Vec3<float> light(int i) const { return {wi[0][i], wi[1][i], wi[2][i]}; }
   EvalArrays arrays();
+  /// A model's kernel; Subject::run() runs subjects of every kind.
   void run(const MaterialKernel& kernel, const MaterialArgs& args);
 };
 

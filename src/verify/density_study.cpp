@@ -20,7 +20,7 @@ SpherePartition make_partition(const Subject& subject, const Vec3<float>& wo, Tr
   batch.set_all_viewers(wo);
   for (int done = 0; done < kPilot; done += kBatch) {
     batch.draw(random);
-    batch.run(subject.widest(), subject.record.args(mode));
+    subject.run(batch, mode);
     for (int i = 0; i < kBatch; ++i)
       if (batch.valid(i) && !batch.delta(i))
         pilot.push_back(to_double(batch.light(i)));
@@ -49,7 +49,7 @@ void draw_samples(DensityStudy& study, const Subject& subject, const Vec3<float>
   batch.set_all_viewers(wo);
   for (long done = 0; done < samples; done += kBatch) {
     batch.draw(random);
-    batch.run(subject.widest(), subject.record.args(mode));
+    subject.run(batch, mode);
     for (int i = 0; i < kBatch; ++i) {
       ++study.samples;
       if (!batch.valid(i))

@@ -36,7 +36,7 @@ EfficiencyPoint study_efficiency(const Subject& subject, const Vec3<float>& wo, 
   RandomStream random(subject.stream(0xeff));
   batch.set_all_viewers(wo);
   batch.draw(random);
-  batch.run(subject.widest(), subject.record.args(TransportMode::importance));
+  subject.run(batch, TransportMode::importance);
   EfficiencyPoint point;
   point.wo = wo;
   point.theta = degrees_of(wo);
@@ -171,9 +171,8 @@ std::string efficiency_json(const EfficiencyReport& report, const std::string& v
   for (const EfficiencyReport::Row& row : report.rows) {
     const Subject& subject = row.subject.subject;
     Json parameters = Json::object(), points = Json::array();
-    for (const ParamInfo& p : subject.model->descriptor.params)
-      if (subject.parameters.was_set(p.name))
-        parameters[p.name] = subject.parameters.text(p.name);
+    for (const auto& [name, value] : subject.given())
+      parameters[name] = value;
     for (const EfficiencyPoint& p : row.points)
       points.push_back({{"wo", {p.wo.x, p.wo.y, p.wo.z}},
                         {"theta", p.theta},
@@ -183,7 +182,7 @@ std::string efficiency_json(const EfficiencyReport& report, const std::string& v
                         {"failed", p.failed},
                         {"mean", {p.mean[0], p.mean[1], p.mean[2]}}});
     json["subjects"].push_back({{"name", row.subject.name},
-                                {"model", subject.model->name()},
+                                {"model", subject.descriptor().name},
                                 {"parameters", parameters},
                                 {"points", points}});
   }

@@ -93,11 +93,12 @@ void check(const std::vector<PlotMaterial>& materials, const PlotOptions& option
     for (double theta : options.thetas)
       if (!(theta >= 0 && theta <= (below ? 180 : 90)) || theta == 90)
         throw Error(
-            fmt::format("the angle {} makes no plot of '{}'", theta, m.subject.model->name()), {},
+            fmt::format("the angle {} makes no plot of '{}'", theta, m.subject.descriptor().name),
+            {},
             below ? "degrees from the normal, 0 to 180 but not 90"
                   : "degrees from the normal, 0 to less than 90: it scatters on one side");
     if (options.inside && !below)
-      throw Error("'" + m.subject.model->name() + "' cannot be seen from inside", {},
+      throw Error("'" + m.subject.descriptor().name + "' cannot be seen from inside", {},
                   "it scatters above the surface only");
   }
 }

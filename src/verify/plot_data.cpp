@@ -47,7 +47,7 @@ std::vector<DeltaLobe> delta_lobes(const Subject& subject, const Vec3<double>& w
   constexpr int kSteps = 256;
   for (int i = 0; i < kSteps; ++i) {
     Random<double> random{{0.5, 0.5}, (i + 0.5) / kSteps, {}};
-    Sample<double> s = subject.model->sample(subject.record, wo, random, kMode, {0.5, 0.5});
+    Sample<double> s = subject.reference_sample(wo, random, kMode);
     if (!s.valid || !s.delta)
       continue;
     bool known = false;
@@ -163,7 +163,7 @@ std::vector<Vec3<double>> pilot_samples(const Subject& subject, const Vec3<doubl
   RandomStream random(71);
   batch.set_all_viewers(to_single(wo));
   batch.draw(random);
-  batch.run(subject.widest(), subject.record.args(kMode));
+  subject.run(batch, kMode);
   for (int i = 0; i < count; ++i)
     if (batch.valid(i) && !batch.delta(i))
       directions.push_back(to_double(batch.light(i)));
@@ -205,7 +205,7 @@ WeightStudy study_weights(const Subject& subject, const Vec3<double>& wo, PlotCh
   RandomStream random(seed);
   batch.set_all_viewers(to_single(wo));
   batch.draw(random);
-  batch.run(subject.widest(), subject.record.args(kMode));
+  subject.run(batch, kMode);
   std::vector<double> weights(samples, 0);
   double sum = 0, squares = 0;
   for (int i = 0; i < samples; ++i) {
@@ -312,7 +312,7 @@ std::vector<HemisphereMap> sample_maps(const Subject& subject, const Vec3<double
   double share = 1 / (maps[0].solid_angle() * double(samples));
   for (long done = 0; done < samples; done += batch.n) {
     batch.draw(random);
-    batch.run(subject.widest(), subject.record.args(kMode));
+    subject.run(batch, kMode);
     for (int i = 0; i < std::min(long(batch.n), samples - done); ++i) {
       if (!batch.valid(i) || batch.delta(i))
         continue;

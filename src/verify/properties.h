@@ -29,8 +29,8 @@ struct ModelProperty {
 };
 const std::vector<ModelProperty>& model_properties();
 
-/// The reason why a model need not hold a property; null if it must.
-const Excuse* find_excuse(const Model& model, const std::string& property);
+/// The reason why a model or tree need not hold a property; null if it must.
+const Excuse* find_excuse(const Descriptor& descriptor, const std::string& property);
 
 // --- One function a property ---
 
@@ -99,5 +99,8 @@ using RoundTrip = std::function<Parameters(const Parameters&)>;
 /// The formats that check_round_trip() goes through; text is there from the start, a program that
 /// links more formats adds them before it runs the properties.
 std::vector<std::pair<std::string, RoundTrip>>& round_trips();
+/// The same for trees of materials; none from the start.
+using TreeRoundTrip = std::function<std::shared_ptr<MaterialNode>(const MaterialNode&)>;
+std::vector<std::pair<std::string, TreeRoundTrip>>& tree_round_trips();
 
 } // namespace faceta

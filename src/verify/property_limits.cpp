@@ -38,7 +38,7 @@ struct LobeSum {
 std::array<LobeSum, 2> scattered(const Subject& subject, SampleBatch& batch, const Vec3<float>& wo,
                                  TransportMode mode) {
   batch.set_all_viewers(wo);
-  batch.run(subject.widest(), subject.record.args(mode));
+  subject.run(batch, mode);
   std::array<LobeSum, 2> sums;
   for (int i = 0; i < batch.n; ++i) {
     if (!batch.valid(i))
@@ -102,9 +102,8 @@ void draw_rest(Parameters& a, Parameters& b, RandomStream& random) {
 
 std::string described(const Parameters& p) {
   std::string text = p.model().name();
-  for (const ParamInfo& info : p.descriptor().params)
-    if (p.was_set(info.name))
-      text += fmt::format(" {}={}", info.name, p.text(info.name));
+  for (const auto& [name, value] : p.given())
+    text += fmt::format(" {}={}", name, value);
   return text;
 }
 
@@ -135,8 +134,8 @@ void compare_energies(const Subject& a, const Subject& b, double tolerance, Samp
             outcome.fail(fmt::format(
                 "wo = {}, {}: {} gives ({:.5f}, {:.5f}, {:.5f}) towards {}, {} gives ({:.5f}, "
                 "{:.5f}, {:.5f}) towards {}",
-                to_text(wo), lobe ? "passing" : "reflected", described(a.parameters), x.energy[0],
-                x.energy[1], x.energy[2], to_text(to_single(x.direction)), described(b.parameters),
+                to_text(wo), lobe ? "passing" : "reflected", described(*a.parameters), x.energy[0],
+                x.energy[1], x.energy[2], to_text(to_single(x.direction)), described(*b.parameters),
                 y.energy[0], y.energy[1], y.energy[2], to_text(to_single(y.direction))));
         }
       }
@@ -158,8 +157,8 @@ void compare_values(const Subject& a, const Subject& b, double tolerance, Random
       outcome.figure = std::max(outcome.figure, error / allowed);
       if (!(error <= allowed))
         outcome.fail(fmt::format("wo = {}, wi = {}: {} gives {:.9g}, {} gives {:.9g}", to_text(wo),
-                                 to_text(wi), described(a.parameters), x.value[k],
-                                 described(b.parameters), y.value[k]));
+                                 to_text(wi), described(*a.parameters), x.value[k],
+                                 described(*b.parameters), y.value[k]));
     }
   }
 }
@@ -240,8 +239,8 @@ Outcome check_albedos(const Model& model) {
       outcome.figure = std::max(outcome.figure, error);
       if (!(error <= known.tolerance))
         outcome.fail(fmt::format("{} at cos theta = {}: {:.5f} instead of {} ({})",
-                                 described(subject.parameters), cosines[i], albedo, known.albedo[i],
-                                 known.source));
+                                 described(*subject.parameters), cosines[i], albedo,
+                                 known.albedo[i], known.source));
     }
   }
   return outcome;

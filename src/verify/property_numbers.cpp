@@ -24,7 +24,7 @@ EvalBatch pairs_of(const Subject& subject, int n, uint64_t seed) {
   for (int i = 0; i < n; ++i)
     s.set_viewer(i, random_direction(random));
   s.draw(random);
-  s.run(subject.widest(), subject.record.args());
+  subject.run(s, TransportMode::radiance);
   EvalBatch e(n);
   for (int i = 0; i < n; ++i)
     e.set(i, s.viewer(i), i % 3 && s.valid(i) ? s.light(i) : random_direction(random));
@@ -95,6 +95,30 @@ void compare_kernels(const Subject& subject, const LaneCase& lane_case, EvalBatc
   }
 }
 
+void compare_trees(const Subject& subject, TransportMode mode, EvalBatch& evals,
+                   SampleBatch& samples, Outcome& outcome) {
+  subject.run(evals, mode, Isa::scalar);
+  subject.run(samples, mode, Isa::scalar);
+  for (Isa isa : {Isa::v3, Isa::v4}) {
+    if (!isa_supported(isa))
+      continue;
+    EvalBatch e = evals;
+    SampleBatch s = samples;
+    subject.run(e, mode, isa);
+    subject.run(s, mode, isa);
+    for (const std::string& text : {compare_evals(evals, e), compare_samples(samples, s)})
+      if (!text.empty())
+        outcome.fail(fmt::format("{}: {}", kIsaNames[static_cast<int>(isa)], text));
+  }
+}
+
+Outcome of_its_models() {
+  Outcome outcome;
+  outcome.applicable = false;
+  outcome.message = "a tree has it from its models, which are proved themselves";
+  return outcome;
+}
+
 double in_range(const Range& range, double u) {
   double low = std::isfinite(range.low) ? range.low : 0;
   double high = std::isfinite(range.high) ? range.high : low + 4;
@@ -134,7 +158,13 @@ Outcome check_lanes(const Subject& subject, Effort effort, double) {
     samples.u[1][i] = corners[i / 4 % 4];
     samples.uc[i] = corners[i / 16 % 4];
   }
-  for (TransportMode mode : {TransportMode::radiance, TransportMode::importance})
+  const TransportMode modes[] = {TransportMode::radiance, TransportMode::importance};
+  if (subject.tree) {
+    for (TransportMode mode : modes)
+      compare_trees(subject, mode, evals, samples, outcome);
+    return outcome;
+  }
+  for (TransportMode mode : modes)
     compare_kernels(subject, {"one material", subject.record.args(mode)}, evals, samples, outcome);
 
   std::vector<int32_t> rows(n + kLanePadding, 0);
@@ -181,7 +211,7 @@ Outcome check_precision(const Subject& subject, Effort effort, double) {
   int n = effort == Effort::quick ? 4096 : 32768;
   for (TransportMode mode : {TransportMode::radiance, TransportMode::importance}) {
     EvalBatch e = pairs_of(subject, n, 81);
-    e.run(subject.kernel(Isa::scalar), subject.record.args(mode));
+    subject.run(e, mode, Isa::scalar);
     for (int i = 0; i < n; ++i) {
       Eval<double> r = subject.reference(to_double(e.viewer(i)), to_double(e.light(i)), mode);
       Sensitivity s;
@@ -227,6 +257,8 @@ void compare_channels(const ReferenceWide& wide, const Color<double>& color, dou
 } // namespace
 
 Outcome check_channels(const Subject& subject, Effort effort, double) {
+  if (subject.tree)
+    return of_its_models();
   Outcome outcome;
   const Model& model = *subject.model;
   int n = effort == Effort::quick ? 2048 : 16384;
@@ -321,12 +353,10 @@ void check_derivatives_at(const Subject& subject, const ReferenceQuery& query,
 } // namespace
 
 Outcome check_derivatives(const Subject& subject, Effort effort, double) {
+  if (subject.tree)
+    return of_its_models();
   Outcome outcome;
-  std::vector<int> declared;
-  for (const ParamInfo& p : subject.model->descriptor.params)
-    for (int k = 0; p.slot >= 0 && k < p.slots; ++k)
-      if (std::find(declared.begin(), declared.end(), p.slot + k) == declared.end())
-        declared.push_back(p.slot + k);
+  std::vector<int> declared = subject.parameter_numbers();
   DerivativeTally tally;
   int n = effort == Effort::quick ? 300 : 3000;
   EvalBatch pairs = pairs_of(subject, n, 91);

@@ -157,13 +157,26 @@ std::vector<std::pair<std::string, RoundTrip>>& round_trips() {
   return trips;
 }
 
+std::vector<std::pair<std::string, TreeRoundTrip>>& tree_round_trips() {
+  static std::vector<std::pair<std::string, TreeRoundTrip>> formats;
+  return formats;
+}
+
 Outcome check_round_trip(const Subject& subject, Effort, double) {
   Outcome outcome;
+  if (subject.tree) {
+    for (const auto& [format, trip] : tree_round_trips()) {
+      std::string back = MaterialTree(*trip(subject.tree->definition())).text();
+      if (back != subject.tree->text())
+        outcome.fail(fmt::format("{} makes {} of {}", format, back, subject.tree->text()));
+    }
+    return outcome;
+  }
   RandomStream random(111);
   for (const auto& [format, trip] : round_trips())
     for (int round = 0; round < 20; ++round) {
       Parameters given =
-          round == 0 ? subject.parameters : with_random_numbers(subject.parameters, random);
+          round == 0 ? *subject.parameters : with_random_numbers(*subject.parameters, random);
       std::string difference = difference_of(given, trip(given));
       if (!difference.empty())
         outcome.fail(fmt::format("{} changes {}", format, difference));
@@ -242,8 +255,8 @@ const std::vector<ModelProperty>& model_properties() {
   return properties;
 }
 
-const Excuse* find_excuse(const Model& model, const std::string& property) {
-  for (const Excuse& e : model.descriptor.excuses)
+const Excuse* find_excuse(const Descriptor& descriptor, const std::string& property) {
+  for (const Excuse& e : descriptor.excuses)
     if (e.property == property)
       return &e;
   return nullptr;

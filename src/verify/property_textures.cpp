@@ -37,7 +37,7 @@ Queries make_queries(const Subject& subject) {
     q.samples.set_viewer(i, to_single({r * std::cos(phi), r * std::sin(phi), z}));
   }
   q.samples.draw(random);
-  q.samples.run(subject.widest(), subject.record.args());
+  subject.run(q.samples, TransportMode::radiance);
   for (int i = 0; i < kQueries; ++i) {
     Vec3<float> wo = q.samples.viewer(i);
     q.evals.set(i, wo, q.samples.valid(i) ? q.samples.light(i) : Vec3<float>{-wo.x, -wo.y, wo.z});
@@ -92,11 +92,11 @@ bool check_texture(const Model& model, const Exemplar& exemplar, const ParamInfo
   std::array<std::string, 2> texts = two_values(p);
   Subject ends[2] = {{model, changed(model, exemplar, p, texts[0])},
                      {model, changed(model, exemplar, p, texts[1])}};
-  Parameters between = ends[0].parameters;
+  Parameters between = *ends[0].parameters;
   std::array<double, 3> middle{};
   for (int k = 0; k < 3; ++k) {
     int slot = p.slot + std::min(k, p.slots - 1);
-    middle[k] = 0.5 * (ends[0].parameters.slots()[slot] + ends[1].parameters.slots()[slot]);
+    middle[k] = 0.5 * (ends[0].parameters->slots()[slot] + ends[1].parameters->slots()[slot]);
   }
   between.set_texture(p.name, middle);
   Subject textured(model, between);

@@ -61,7 +61,7 @@ void check_finite_evals(const Subject& subject, TransportMode mode, Outcome& out
   EvalBatch batch(static_cast<int>(pairs.size()));
   for (int i = 0; i < batch.n; ++i)
     batch.set(i, pairs[i].first, pairs[i].second);
-  batch.run(subject.widest(), subject.record.args(mode));
+  subject.run(batch, mode);
   for (int i = 0; i < batch.n && outcome.passed; ++i) {
     float v[4] = {batch.value[0][i], batch.value[1][i], batch.value[2][i], batch.pdf[i]};
     if (!fine(v[0]) || !fine(v[1]) || !fine(v[2]) || !fine(v[3]))
@@ -116,7 +116,7 @@ void check_finite_samples(const Subject& subject, TransportMode mode, Outcome& o
     batch.u[1][i] = corners[c / 6 % 6];
     batch.uc[i] = corners[c / 36];
   }
-  batch.run(subject.widest(), subject.record.args(mode));
+  subject.run(batch, mode);
   for (int i = 0; i < batch.n && outcome.passed; ++i) {
     std::string defect = sample_defect(batch, i);
     if (!defect.empty())
@@ -137,7 +137,7 @@ SampleBatch spread_samples(const Subject& subject, int n, TransportMode mode, ui
     batch.set_viewer(i, wo);
   }
   batch.draw(random);
-  batch.run(subject.widest(), subject.record.args(mode));
+  subject.run(batch, mode);
   return batch;
 }
 
@@ -173,7 +173,7 @@ Outcome check_consistency(const Subject& subject, Effort effort, double) {
     EvalBatch e(s.n);
     for (int i = 0; i < s.n; ++i)
       e.set(i, s.viewer(i), s.light(i));
-    e.run(subject.widest(), subject.record.args(mode));
+    subject.run(e, mode);
     for (int i = 0; i < s.n; ++i) {
       if (!s.valid(i))
         continue;
@@ -219,7 +219,7 @@ Outcome check_consistency(const Subject& subject, Effort effort, double) {
 Outcome check_energy(const Subject& subject, Effort effort, double level) {
   Outcome outcome;
   const double z_limit = two_sided_quantile(level);
-  const bool excused = find_excuse(*subject.model, "energy");
+  const bool excused = find_excuse(subject.descriptor(), "energy");
   const long rounds = effort == Effort::quick ? 64 : 256;
   std::vector<double> cosines = {1, 0.9, 0.7, 0.5, 0.3, 0.1, 0.03, 0.01, 0.001};
   RandomStream random(subject.stream(41));
@@ -234,7 +234,7 @@ Outcome check_energy(const Subject& subject, Effort effort, double level) {
       RunningMean albedo[3];
       for (long round = 0; round < rounds; ++round) {
         batch.draw(random);
-        batch.run(subject.widest(), subject.record.args(TransportMode::importance));
+        subject.run(batch, TransportMode::importance);
         for (int i = 0; i < batch.n; ++i)
           for (int k = 0; k < 3; ++k)
             albedo[k].add(batch.weight[k][i]);

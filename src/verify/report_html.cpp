@@ -16,7 +16,7 @@ using namespace report;
 constexpr size_t kFew = 2;
 
 std::string target_of(const ModelGroup& group) {
-  return "#model-" + html::slug(group.model->name());
+  return "#model-" + html::slug(group.descriptor->name);
 }
 
 std::string headline(const SuiteReport& report) {
@@ -73,7 +73,7 @@ std::string remarks(const SuiteReport& report, const std::vector<std::string>& i
 std::string model_section(const SuiteReport& report, const ModelGroup& group,
                           const std::vector<std::string>& ids,
                           const std::vector<SubjectPlots>& plots) {
-  const Descriptor& d = group.model->descriptor;
+  const Descriptor& d = *group.descriptor;
   std::string text = "<section class=\"model\">\n<h2 id=\"" + target_of(group).substr(1) + "\">" +
                      escape(d.name) + ": " + escape(d.title) + "</h2>\n" +
                      element("pre", d.equation) + "\n";

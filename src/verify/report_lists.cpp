@@ -37,19 +37,19 @@ std::string excuse_table(const SuiteReport& report) {
     std::string subjects;
   };
   std::map<std::pair<std::string, std::string>, Entry> entries;
-  auto add = [&](const std::string& name, const Model& model, const PropertyResult& r) {
+  auto add = [&](const std::string& name, const Descriptor& descriptor, const PropertyResult& r) {
     if (r.verdict != Verdict::excused)
       return;
-    Entry& e = entries[{model.name(), r.property}];
+    Entry& e = entries[{descriptor.name, r.property}];
     e.first = &r;
     e.subjects += fmt::format("{}{} ({:.4g})", e.subjects.empty() ? "" : ", ", name, r.figure);
   };
   for (const ModelReport& m : report.models)
     for (const PropertyResult& r : m.results)
-      add(m.model->name(), *m.model, r);
+      add(m.model->name(), m.model->descriptor, r);
   for (const SubjectReport& s : report.subjects)
     for (const PropertyResult& r : s.results)
-      add(s.subject.name, *s.subject.subject.model, r);
+      add(s.subject.name, s.subject.subject.descriptor(), r);
   if (entries.empty())
     return {};
   std::string table = "<table><thead><tr><th>property</th><th>of</th><th>reason</th>"

@@ -83,16 +83,16 @@ Verdict worst(const std::vector<PropertyResult>& results) {
 
 std::vector<ModelGroup> group_by_model(const SuiteReport& report) {
   std::vector<ModelGroup> groups;
-  auto group_of = [&](const Model* model) -> ModelGroup& {
+  auto group_of = [&](const Descriptor& descriptor) -> ModelGroup& {
     for (ModelGroup& g : groups)
-      if (g.model == model)
+      if (g.descriptor->name == descriptor.name)
         return g;
-    return groups.emplace_back(ModelGroup{model, nullptr, {}});
+    return groups.emplace_back(ModelGroup{&descriptor, nullptr, {}});
   };
   for (const ModelReport& m : report.models)
-    group_of(m.model).report = &m;
+    group_of(m.model->descriptor).report = &m;
   for (size_t i = 0; i < report.subjects.size(); ++i)
-    group_of(report.subjects[i].subject.subject.model).subjects.push_back(i);
+    group_of(report.subjects[i].subject.subject.descriptor()).subjects.push_back(i);
   return groups;
 }
 
@@ -119,7 +119,7 @@ std::string model_matrix(const SuiteReport& report, const std::vector<ModelGroup
   std::string table = "<table class=\"matrix\">" + matrix_head("model", names) + "<tbody>\n";
   for (const ModelGroup& g : groups) {
     std::string to = target(g);
-    table += "<tr><th scope=\"row\">" + html::link(to, g.model->name()) +
+    table += "<tr><th scope=\"row\">" + html::link(to, g.descriptor->name) +
              fmt::format(" <small>{}</small></th>", g.subjects.size());
     for (size_t p = 0; p < report.properties.size(); ++p) {
       std::vector<PropertyResult> results;
@@ -207,9 +207,10 @@ namespace {
 
 std::string settings_line(const SuiteSubject& s) {
   std::string text;
-  for (const ParamInfo& p : s.subject.model->descriptor.params)
-    if (s.subject.parameters.was_set(p.name))
-      text += element("code", p.name + "=" + s.subject.parameters.text(p.name)) + " ";
+  for (const auto& [name, value] : s.subject.given())
+    text += element("code", name + "=" + value) + " ";
+  if (s.subject.tree)
+    text = element("code", s.subject.tree->text()) + " ";
   if (text.empty())
     text = "Default parameters. ";
   if (s.subject.lossless)

@@ -15,9 +15,9 @@ std::string counts_text(const std::vector<PropertyResult>& results);
 /// The verdict that speaks for all: failed, else excused, else passed, else not applicable.
 Verdict worst(const std::vector<PropertyResult>& results);
 
-/// Indices of the subjects of each model, in the order in which models first come.
+/// Indices of the subjects of each model or node, in the order in which those first come.
 struct ModelGroup {
-  const Model* model;
+  const Descriptor* descriptor;
   const ModelReport* report = nullptr; ///< if it was asked as a whole
   std::vector<size_t> subjects;
 };
@@ -54,7 +54,7 @@ std::string property_list(const SuiteReport& report);
 std::string excuse_table(const SuiteReport& report);
 /// What failed, where, with links to the subjects; empty if nothing did.
 std::string failure_list(const SuiteReport& report, const std::vector<std::string>& ids);
-/// "in 73 subjects and 13 models, ..., the chance that a sound suite fails is ...": a sentence.
+/// "in 83 subjects and 13 models, ..., the chance that a sound suite fails is ...": a sentence.
 std::string false_alarm_text(const SuiteReport& report);
 
 } // namespace faceta::report

@@ -16,6 +16,11 @@ Parameters from_settings(const Model& model, const Settings& settings) {
   return p;
 }
 
+std::vector<const Parameters*> models_of(const Subject& subject) {
+  return subject.tree ? subject.tree->models()
+                      : std::vector<const Parameters*>{&*subject.parameters};
+}
+
 Vec3<double> from_angles(double theta, double phi) {
   return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
 }
@@ -27,6 +32,39 @@ Subject::Subject(const Model& m, const Parameters& p, bool loses_nothing)
 
 Subject::Subject(const Model& m, const Exemplar& exemplar)
     : Subject(m, from_settings(m, exemplar.settings), exemplar.lossless) {}
+
+void Subject::run(EvalBatch& batch, TransportMode mode, Isa isa) const {
+  if (tree)
+    tree->eval(batch.arrays(), batch.n, isa, mode);
+  else
+    batch.run(kernel(isa), record.args(mode));
+}
+
+void Subject::run(SampleBatch& batch, TransportMode mode, Isa isa) const {
+  if (tree)
+    tree->sample(batch.arrays(), batch.n, isa, mode);
+  else
+    batch.run(kernel(isa), record.args(mode));
+}
+
+Sample<double> Subject::reference_sample(const Vec3<double>& wo, const Random<double>& random,
+                                         TransportMode mode) const {
+  return tree ? tree->reference_sample(wo, random, mode)
+              : model->sample(record, wo, random, mode, {0.5, 0.5});
+}
+
+std::vector<double> Subject::numbers() const {
+  return tree ? tree->numbers() : std::vector<double>(record.slots.begin(), record.slots.end());
+}
+
+std::vector<int> Subject::parameter_numbers() const {
+  return tree ? tree->parameter_numbers() : model->descriptor.parameter_slots();
+}
+
+Eval<double> Subject::reference_at(const std::vector<double>& numbers,
+                                   const ReferenceQuery& query) const {
+  return tree ? tree->reference(query, numbers) : model->eval_at(record, numbers, query);
+}
 
 bool is_anisotropic(const Subject& subject) {
   RandomStream random(11);
@@ -84,14 +122,16 @@ std::vector<Vec3<double>> peak_hints(const Subject& subject, const Vec3<double>&
   if (!subject.transmissive())
     return hints;
   hints.push_back(-wo);
-  double eta = 1;
-  for (const ParamInfo& p : subject.model->descriptor.params)
-    if (p.kind == ParamKind::ior) // the ratio of all indices named, whichever way round
-      eta = subject.parameters.slots()[p.slot] / eta;
-  for (double ratio : {eta, 1 / eta}) {
-    double square = 1 - ratio * ratio * (1 - wo.z * wo.z);
-    if (square > 0)
-      hints.push_back({-ratio * wo.x, -ratio * wo.y, -std::copysign(std::sqrt(square), wo.z)});
+  for (const Parameters* model : models_of(subject)) {
+    double eta = 1;
+    for (const ParamInfo& p : model->descriptor().params)
+      if (p.kind == ParamKind::ior) // the ratio of all indices named, whichever way round
+        eta = model->slots()[p.slot] / eta;
+    for (double ratio : {eta, 1 / eta}) {
+      double square = 1 - ratio * ratio * (1 - wo.z * wo.z);
+      if (square > 0)
+        hints.push_back({-ratio * wo.x, -ratio * wo.y, -std::copysign(std::sqrt(square), wo.z)});
+    }
   }
   return hints;
 }
@@ -102,13 +142,12 @@ std::string to_text(const Vec3<float>& v) {
 
 Sensitivity ulp_sensitivity(const Subject& subject, const Vec3<float>& wo, const Vec3<float>& wi,
                             TransportMode mode) {
-  const Model& model = *subject.model;
-  std::vector<double> slots(subject.record.slots.begin(), subject.record.slots.end());
+  std::vector<double> numbers = subject.numbers();
   Sensitivity result;
   ReferenceQuery query{to_double(wo), to_double(wi), mode};
-  result.center = model.eval_at(subject.record, slots, query);
+  result.center = subject.reference_at(numbers, query);
   auto compare = [&] {
-    Eval<double> e = model.eval_at(subject.record, slots, query);
+    Eval<double> e = subject.reference_at(numbers, query);
     for (int k = 0; k < 4; ++k) {
       double a = k < 3 ? e.value[k] : e.pdf;
       double b = k < 3 ? result.center.value[k] : result.center.pdf;
@@ -125,9 +164,8 @@ Sensitivity ulp_sensitivity(const Subject& subject, const Vec3<float>& wo, const
   };
   for (double* x : {&query.wo.x, &query.wo.y, &query.wo.z, &query.wi.x, &query.wi.y, &query.wi.z})
     nudge(*x);
-  for (const ParamInfo& p : model.descriptor.params)
-    for (int k = 0; p.slot >= 0 && k < p.slots; ++k)
-      nudge(slots[p.slot + k]);
+  for (int k : subject.parameter_numbers())
+    nudge(numbers[k]);
   return result;
 }
 

@@ -1,10 +1,11 @@
 #pragma once
 
-/// What a property is proved of: a model with values for its parameters.
+/// What a property is proved of: a model with values for its parameters, or a tree of such
+/// materials.
 
-#include "bsdf/registry.h"
-#include "verify/batch.h"
+#include "verify/material_tree.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,20 +38,27 @@ struct Outcome {
 };
 
 struct Subject {
-  const Model* model;
-  Parameters parameters;
-  Record record;
+  const Model* model = nullptr;         ///< null: a tree
+  std::optional<Parameters> parameters; ///< of the model
+  Record record;                        ///< of the model
+  std::shared_ptr<const MaterialTree> tree;
   bool lossless = false;
   uint64_t seed = 0; ///< what all random numbers of the properties come from
 
   Subject(const Model& m, const Parameters& p, bool loses_nothing = false);
   /// An exemplar of the model's own.
   Subject(const Model& m, const Exemplar& exemplar);
+  explicit Subject(std::shared_ptr<const MaterialTree> t) : tree(std::move(t)) {}
 
-  const Traits& traits() const { return model->descriptor.traits; }
-  const MaterialKernel& kernel(Isa isa) const { return *model->kernels[int(isa)]; }
-  /// The kernel of the widest instruction set here.
-  const MaterialKernel& widest() const { return kernel(best_isa()); }
+  const Descriptor& descriptor() const { return tree ? tree->descriptor() : model->descriptor; }
+  const Traits& traits() const { return descriptor().traits; }
+  /// Runs the kernel of an instruction set, as a rule the widest here.
+  void run(EvalBatch& batch, TransportMode mode, Isa isa = best_isa()) const;
+  void run(SampleBatch& batch, TransportMode mode, Isa isa = best_isa()) const;
+  /// The parameters that the model was given.
+  Settings given() const { return parameters ? parameters->given() : Settings{}; }
+  /// A kernel of the model.
+  const MaterialKernel& kernel(Isa isa) const { return *model->kernels[static_cast<int>(isa)]; }
   bool transmissive() const { return (traits().lobes & kTransmission) != 0; }
 
   /// Seed of the random numbers for one purpose.
@@ -58,8 +66,15 @@ struct Subject {
 
   Eval<double> reference(const Vec3<double>& wo, const Vec3<double>& wi,
                          TransportMode mode = TransportMode::radiance) const {
-    return model->eval(record, {wo, wi, mode});
+    return tree ? tree->reference({wo, wi, mode}) : model->eval(record, {wo, wi, mode});
   }
+  Sample<double> reference_sample(const Vec3<double>& wo, const Random<double>& random,
+                                  TransportMode mode) const;
+  /// All numbers that the reference reads, and which of them are parameters.
+  std::vector<double> numbers() const;
+  std::vector<int> parameter_numbers() const;
+  /// The reference with other numbers.
+  Eval<double> reference_at(const std::vector<double>& numbers, const ReferenceQuery& query) const;
 };
 
 /// Whether turning both directions about the normal changes a value (beyond rounding).

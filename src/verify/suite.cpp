@@ -43,7 +43,7 @@ void choose_properties(SuiteReport& report, const std::vector<std::string>& only
 }
 
 template <class Check>
-PropertyResult ask(const Model& model, const std::string& property, const Check& check) {
+PropertyResult ask(const Descriptor& descriptor, const std::string& property, const Check& check) {
   Clock::time_point start = Clock::now();
   Outcome outcome;
   try {
@@ -54,15 +54,15 @@ PropertyResult ask(const Model& model, const std::string& property, const Check&
     outcome.fail(std::string("ended in an exception: ") + error.what());
   }
   PropertyResult result{property,
-                        judge(outcome, model, property),
+                        judge(outcome, descriptor, property),
                         outcome.figure,
                         outcome.message,
                         {},
                         {},
                         seconds_since(start)};
   if (result.verdict == Verdict::excused)
-    result.reason = find_excuse(model, property)->reason,
-    result.reference = find_excuse(model, property)->reference;
+    result.reason = find_excuse(descriptor, property)->reason,
+    result.reference = find_excuse(descriptor, property)->reference;
   return result;
 }
 
@@ -71,7 +71,7 @@ PropertyResult ask_subject(const SuiteSubject& s, const Property& property, Effo
   for (const Excuse& idle : s.idle)
     if (idle.property == property.name)
       return {property.name, Verdict::not_applicable, 0, idle.reason, {}, {}, 0};
-  return ask(*s.subject.model, property.name,
+  return ask(s.subject.descriptor(), property.name,
              [&] { return property.check(s.subject, effort, level); });
 }
 
@@ -123,9 +123,10 @@ const char* name_of(Origin origin) {
   return names[static_cast<int>(origin)];
 }
 
-Verdict judge(const Outcome& outcome, const Model& model, const std::string& property) {
+Verdict judge(const Outcome& outcome, const Descriptor& descriptor, const std::string& property) {
   if (!outcome.passed)
-    return outcome.excusable && find_excuse(model, property) ? Verdict::excused : Verdict::failed;
+    return outcome.excusable && find_excuse(descriptor, property) ? Verdict::excused
+                                                                  : Verdict::failed;
   return outcome.applicable ? Verdict::passed : Verdict::not_applicable;
 }
 
@@ -134,6 +135,18 @@ std::vector<SuiteSubject> exemplar_subjects(const Model& model) {
   for (const Exemplar& e : model.descriptor.exemplars)
     subjects.push_back(
         {model.name() + "/" + e.name, Origin::exemplar, Subject(model, e), e.name, {}, {}});
+  return subjects;
+}
+
+std::vector<SuiteSubject> exemplar_subjects(const SceneNode& node, const ParseMaterial& parse) {
+  std::vector<SuiteSubject> subjects;
+  for (const auto& [name, xml] : node.exemplars)
+    subjects.push_back({node.descriptor.name + "/" + name,
+                        Origin::exemplar,
+                        Subject(std::make_shared<MaterialTree>(*parse(xml))),
+                        name,
+                        {},
+                        {}});
   return subjects;
 }
 
@@ -184,7 +197,7 @@ SuiteReport run_suite(const std::vector<SuiteSubject>& subjects,
     if (task < first) {
       ModelReport& m = report.models[task / own];
       const ModelProperty& p = *report.model_properties[task % own];
-      m.results[task % own] = ask(*m.model, p.name, [&] { return p.check(*m.model); });
+      m.results[task % own] = ask(m.model->descriptor, p.name, [&] { return p.check(*m.model); });
       counter.add(m.model->name() + " " + p.name);
       return;
     }

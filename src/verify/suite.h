@@ -34,7 +34,7 @@ inline constexpr int kVerdictCount = 4;
 const char* name_of(Verdict verdict);
 
 /// The verdict on an outcome: a failure of what the model excuses is excused.
-Verdict judge(const Outcome& outcome, const Model& model, const std::string& property);
+Verdict judge(const Outcome& outcome, const Descriptor& descriptor, const std::string& property);
 
 struct PropertyResult {
   std::string property;
@@ -62,6 +62,9 @@ struct SuiteSubject {
 
 /// Exemplars of a model as subjects.
 std::vector<SuiteSubject> exemplar_subjects(const Model& model);
+/// Trees with a node of scene files at the root; `parse` reads a <bsdf>.
+using ParseMaterial = std::function<std::shared_ptr<MaterialNode>(const std::string& xml)>;
+std::vector<SuiteSubject> exemplar_subjects(const SceneNode& node, const ParseMaterial& parse);
 /// A model with parameters given by name, named by them: "phong exponent=20".
 SuiteSubject settings_subject(const Model& model, const Settings& settings);
 

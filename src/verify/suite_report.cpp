@@ -154,15 +154,16 @@ std::string one_subject(const SubjectReport& s, const std::vector<const Property
 template <class Use> void for_each_result(const SuiteReport& report, const Use& use) {
   for (const ModelReport& m : report.models)
     for (size_t i = 0; i < m.results.size(); ++i)
-      use(m.model->name(), *m.model, report.model_properties[i]->claim, m.results[i]);
+      use(m.model->name(), m.model->descriptor, report.model_properties[i]->claim, m.results[i]);
   for (const SubjectReport& s : report.subjects)
     for (size_t i = 0; i < s.results.size(); ++i)
-      use(s.subject.name, *s.subject.subject.model, report.properties[i]->claim, s.results[i]);
+      use(s.subject.name, s.subject.subject.descriptor(), report.properties[i]->claim,
+          s.results[i]);
 }
 
 std::string failures(const SuiteReport& report, bool colour) {
   std::string text;
-  for_each_result(report, [&](const std::string& name, const Model&, const std::string& claim,
+  for_each_result(report, [&](const std::string& name, const Descriptor&, const std::string& claim,
                               const PropertyResult& r) {
     if (r.verdict == Verdict::failed)
       text += paint(fmt::format("FAILED {}: {}", name, r.property), Verdict::failed, colour) +
@@ -177,11 +178,11 @@ std::string excuses(const SuiteReport& report) {
     std::string reason, reference, names;
   };
   std::map<std::pair<std::string, std::string>, Entry> entries;
-  for_each_result(report, [&](const std::string& name, const Model& model, const std::string&,
-                              const PropertyResult& r) {
+  for_each_result(report, [&](const std::string& name, const Descriptor& descriptor,
+                              const std::string&, const PropertyResult& r) {
     if (r.verdict != Verdict::excused)
       return;
-    Entry& entry = entries[{model.name(), r.property}];
+    Entry& entry = entries[{descriptor.name, r.property}];
     entry.reason = r.reason;
     entry.reference = r.reference;
     entry.names += fmt::format("{}{} ({:.4g})", entry.names.empty() ? "" : ", ", name, r.figure);
@@ -236,7 +237,7 @@ Json results_json(const std::vector<PropertyResult>& results) {
 Json subject_json(const SubjectReport& s) {
   const Subject& subject = s.subject.subject;
   Json json = {{"name", s.subject.name},
-               {"model", subject.model->name()},
+               {"model", subject.descriptor().name},
                {"origin", name_of(s.subject.origin)}};
   if (s.subject.origin == Origin::exemplar)
     json["exemplar"] = s.subject.exemplar;
@@ -244,9 +245,10 @@ Json subject_json(const SubjectReport& s) {
     json["where"] = s.subject.where;
   json["lossless"] = subject.lossless;
   json["parameters"] = Json::object();
-  for (const ParamInfo& p : subject.model->descriptor.params)
-    if (subject.parameters.was_set(p.name))
-      json["parameters"][p.name] = subject.parameters.text(p.name);
+  for (const auto& [name, value] : subject.given())
+    json["parameters"][name] = value;
+  if (subject.tree)
+    json["tree"] = subject.tree->text();
   json["seconds"] = seconds_of(s.results);
   json["results"] = results_json(s.results);
   return json;

@@ -1,5 +1,7 @@
 #include "verify/suite_scene.h"
 
+#include "spectrum/cie.h"
+
 #include <fmt/format.h>
 #include <map>
 #include <set>
@@ -10,22 +12,6 @@ namespace faceta {
 namespace {
 
 using Kind = MaterialNode::Kind;
-
-const char* plugin_name(Kind kind) {
-  switch (kind) {
-  case Kind::blend:
-    return "blendbsdf";
-  case Kind::mask:
-    return "mask";
-  case Kind::twosided:
-    return "twosided";
-  case Kind::null:
-    return "null";
-  case Kind::model:
-    break;
-  }
-  return "";
-}
 
 std::string join(const std::vector<std::string>& words) {
   std::string text;
@@ -52,9 +38,9 @@ std::string beyond_range(const Parameters& p) {
 
 class Collector {
 public:
-  Collector(const std::vector<std::pair<std::string, std::shared_ptr<MaterialNode>>>& materials,
-            std::vector<SuiteSubject>& subjects, std::vector<std::string>& notes)
-      : subjects_(subjects), notes_(notes) {
+  Collector(const NamedMaterials& materials, Scene& scene, std::vector<SuiteSubject>& subjects,
+            std::vector<std::string>& notes)
+      : scene_(scene), subjects_(subjects), notes_(notes) {
     for (const auto& [id, node] : materials)
       ids_[node.get()] = id;
     for (const SuiteSubject& s : subjects)
@@ -70,7 +56,7 @@ public:
       add_model(node, id, holder);
       return;
     }
-    trees_[node.kind].push_back(id.empty() ? fmt::format("line {}", node.where.line) : id);
+    add_tree(node, id, holder);
     for (const auto& child : node.children)
       add(*child, id.empty() ? holder : id);
   }
@@ -78,19 +64,13 @@ public:
   void tell() {
     for (const auto& [first, others] : equal_)
       notes_.push_back(fmt::format("{} stands for equal parameters: {}", first, join(others)));
-    for (const auto& [kind, names] : trees_)
-      notes_.push_back(fmt::format("{}: not verified, {}: {}", plugin_name(kind),
-                                   kind == Kind::null
-                                       ? "light passes"
-                                       : "the renderer puts it together; the models inside are",
-                                   join(names)));
   }
 
 private:
-  std::string name_of_model(const MaterialNode& node, const std::string& id,
-                            const std::string& holder) {
-    const std::string& model = node.parameters->model().name();
-    std::string name = !id.empty() ? id : !holder.empty() ? holder + "/" + model : model;
+  std::string name_of(const MaterialNode& node, const std::string& id, const std::string& holder) {
+    const std::string& type = node.kind == Kind::model ? node.parameters->model().name()
+                                                       : scene_node(node.kind).descriptor.name;
+    std::string name = !id.empty() ? id : !holder.empty() ? holder + "/" + type : type;
     if (id.empty() && (holder.empty() || names_.count(name)))
       name += fmt::format(":{}", node.where.line);
     for (int n = 2; !names_.insert(name).second; ++n)
@@ -100,7 +80,7 @@ private:
 
   void add_model(const MaterialNode& node, const std::string& id, const std::string& holder) {
     const Parameters& p = *node.parameters;
-    std::string name = name_of_model(node, id, holder);
+    std::string name = name_of(node, id, holder);
     auto key = std::make_tuple(&p.model(), p.slots(), p.choices());
     auto [known, is_new] = by_parameters_.try_emplace(key, name);
     for (const auto& [parameter, texture] : node.textures)
@@ -117,6 +97,27 @@ private:
     subjects_.push_back(std::move(s));
   }
 
+  void add_tree(const MaterialNode& node, const std::string& id, const std::string& holder) {
+    std::string name = name_of(node, id, holder);
+    if (node.weight.texture >= 0)
+      notes_.push_back(fmt::format("{}: {} is a texture; verified with its mean, {:.6g}", name,
+                                   node.kind == Kind::mask ? "opacity" : "weight",
+                                   luminance(scene_.texture_mean(node.weight.texture))));
+    auto plain = without_textures(node, scene_);
+    auto tree = std::make_shared<MaterialTree>(*plain);
+    auto [known, is_new] = by_text_.try_emplace(tree->text(), name);
+    if (!is_new) {
+      equal_[known->second].push_back(name);
+      return;
+    }
+    SuiteSubject s{name, Origin::scene, Subject(tree), {}, place_text(node.where), {}};
+    for (const Parameters* p : tree->models())
+      if (std::string beyond = beyond_range(*p); !beyond.empty())
+        s.idle.push_back({"round_trip", beyond});
+    subjects_.push_back(std::move(s));
+  }
+
+  const Scene& scene_;
   std::vector<SuiteSubject>& subjects_;
   std::vector<std::string>& notes_;
   std::map<const MaterialNode*, std::string> ids_;
@@ -125,15 +126,17 @@ private:
   std::map<std::tuple<const Model*, std::vector<double>, std::vector<int32_t>>, std::string>
       by_parameters_;
   std::map<std::string, std::vector<std::string>> equal_;
-  std::map<Kind, std::vector<std::string>> trees_;
+  std::map<std::string, std::string> by_text_; ///< of trees
 };
 
 } // namespace
 
-void add_scene_subjects(
-    const std::vector<std::pair<std::string, std::shared_ptr<MaterialNode>>>& materials,
-    std::vector<SuiteSubject>& subjects, std::vector<std::string>& notes) {
-  Collector collector(materials, subjects, notes);
+void add_scene_subjects(const NamedMaterials& materials, Scene& scene,
+                        std::vector<SuiteSubject>& subjects, std::vector<std::string>& notes) {
+  for (const auto& material : materials) // is every tree sound?
+    if (material.second->kind != Kind::model)
+      scene.add_material(material.second);
+  Collector collector(materials, scene, subjects, notes);
   for (const auto& material : materials)
     collector.add(*material.second, {});
   collector.tell();

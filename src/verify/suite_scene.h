@@ -7,13 +7,13 @@
 
 namespace faceta {
 
-/// Adds every model among the materials (pairs of an id, perhaps empty, and a node; what is nested
-/// in them too) with the parameters it has there. It is named by its id, else by the id of what
-/// holds it and its model, else by its model and line. Once for several with equal parameters; with
-/// the mean of each texture. What stands for something else, and what is not verified (the nodes
-/// that only the renderer puts together), goes to `notes`, a line each.
-void add_scene_subjects(
-    const std::vector<std::pair<std::string, std::shared_ptr<MaterialNode>>>& materials,
-    std::vector<SuiteSubject>& subjects, std::vector<std::string>& notes);
+/// Adds every model and every tree (twosided, mask, blendbsdf, null) among the materials, what is
+/// nested in them too, with the parameters it has there. It is named by its id, else by the id of
+/// what holds it and its type, else by its type and line. Once for several with equal parameters;
+/// with the mean of each texture. What stands for something else goes to `notes`, a line each.
+/// \param scene that holds the textures; the materials are added to it
+/// @throws Error for a tree that the renderer would refuse.
+void add_scene_subjects(const NamedMaterials& materials, Scene& scene,
+                        std::vector<SuiteSubject>& subjects, std::vector<std::string>& notes);
 
 } // namespace faceta

@@ -45,7 +45,7 @@ class Verify(Case):
     def test_everything_is_every_exemplar_of_every_model(self):
         report = self.json_of("--only", "round_trip,description")
         self.assertEqual(list(report), FIELDS)
-        wanted = {f"{m['name']}/{e['name']}" for m in materials() for e in m["exemplars"]}
+        wanted = {f"{m['name']}/{e['name']}" for m in materials(None) for e in m["exemplars"]}
         self.assertEqual({s["name"] for s in report["subjects"]}, wanted)
         self.assertEqual({m["name"] for m in report["models"]}, {m["name"] for m in materials()})
         self.assertTrue(report["passed"])
@@ -115,13 +115,14 @@ class Verify(Case):
         scene = self.path("scene.xml", SCENE)
         report = self.json_of(scene, "-D", "alpha=0.3", *QUICK)
         subjects = {s["name"]: s for s in report["subjects"]}
-        self.assertEqual(list(subjects), ["floor/diffuse", "pan", "chalk"])
+        self.assertEqual(list(subjects), ["floor", "floor/diffuse", "pan", "chalk"])
         self.assertEqual(subjects["pan"]["parameters"]["alpha"], "0.3")
         self.assertEqual(subjects["pan"]["where"], f"{scene}:9:3")
         notes = "\n".join(report["notes"])
         self.assertIn("floor/diffuse: reflectance is a texture; verified with its mean", notes)
         self.assertIn("chalk stands for equal parameters: phong:11", notes)
-        self.assertRegex(notes, "twosided: not verified.*: floor")
+        self.assertEqual(subjects["floor"]["model"], "twosided")
+        self.assertRegex(subjects["floor"]["tree"], r"^twosided\(diffuse reflectance=[^)]*\)$")
         self.assertIn("note: chalk stands", self.verify(scene, "-D", "alpha=0.3", *QUICK))
 
     def test_seed_changes_statistics(self):
@@ -174,7 +175,7 @@ class Verify(Case):
         self.fail_with(INPUT_ERROR, "did you mean 'phong'", "verify", "-q", "fong")
         self.fail_with(INPUT_ERROR, "exponent", "verify", "-q", "phong", "exponent=-1")
         self.fail_with(INPUT_ERROR, "did you mean 'exponent'", "verify", "-q", "phong", "exponnt=1")
-        self.fail_with(INPUT_ERROR, "scene file", "verify", "-q", "twosided")
+        self.fail_with(INPUT_ERROR, "scene file", "verify", "-q", "mask", "opacity=0.5")
         self.fail_with(INPUT_ERROR, "none.xml", "verify", "-q", self.path("none.xml"))
         self.fail_with(
             INPUT_ERROR, "nothing to verify", "verify", "-q", "phong", "exponent=2", "--only", "parameters"

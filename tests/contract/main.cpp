@@ -27,21 +27,24 @@ double test_level() {
     size_t subjects = 0;
     for (const auto& model : Registry::global().models())
       subjects += model->descriptor.exemplars.size();
+    for (const SceneNode& node : scene_nodes())
+      subjects += node.exemplars.size();
     return suite_level(subjects, effort());
   }();
   return level;
 }
 
 // A verdict as GoogleTest's; what a model is known to break is shown as skipped, with the reason.
-void report(const Outcome& outcome, const Model& model, const std::string& property) {
-  switch (judge(outcome, model, property)) {
+void report(const Outcome& outcome, const Descriptor& descriptor, const std::string& property) {
+  switch (judge(outcome, descriptor, property)) {
   case Verdict::passed:
   case Verdict::not_applicable:
     if (outcome.figure != 0)
       ::testing::Test::RecordProperty("figure", std::to_string(outcome.figure));
     return;
   case Verdict::excused:
-    GTEST_SKIP() << "excused: " << find_excuse(model, property)->reason << "\n" << outcome.message;
+    GTEST_SKIP() << "excused: " << find_excuse(descriptor, property)->reason << "\n"
+                 << outcome.message;
   case Verdict::failed:
     FAIL() << outcome.message;
   }
@@ -49,23 +52,21 @@ void report(const Outcome& outcome, const Model& model, const std::string& prope
 
 class SubjectTest : public ::testing::Test {
 public:
-  SubjectTest(const Model& m, const Exemplar& e, const Property& p)
-      : model_(m), exemplar_(e), property_(p) {}
+  SubjectTest(const Subject& s, const Property& p) : subject_(s), property_(p) {}
   void TestBody() override {
-    Subject subject(model_, exemplar_);
-    report(property_.check(subject, effort(), test_level()), model_, property_.name);
+    report(property_.check(subject_, effort(), test_level()), subject_.descriptor(),
+           property_.name);
   }
 
 private:
-  const Model& model_;
-  const Exemplar& exemplar_;
+  const Subject subject_;
   const Property& property_;
 };
 
 class ModelTest : public ::testing::Test {
 public:
   ModelTest(const Model& m, const ModelProperty& p) : model_(m), property_(p) {}
-  void TestBody() override { report(property_.check(model_), model_, property_.name); }
+  void TestBody() override { report(property_.check(model_), model_.descriptor, property_.name); }
 
 private:
   const Model& model_;
@@ -79,18 +80,22 @@ std::string slug(std::string name) {
   return name;
 }
 
+void register_subject(const std::string& type, const SuiteSubject& s) {
+  for (const Property& property : subject_properties())
+    ::testing::RegisterTest((type + "/" + slug(s.exemplar)).c_str(), property.name, nullptr,
+                            nullptr, __FILE__, __LINE__,
+                            [subject = s.subject, &property]() -> ::testing::Test* {
+                              return new SubjectTest(subject, property);
+                            });
+}
+
 void register_model(const Model& model) {
   for (const ModelProperty& property : model_properties())
     ::testing::RegisterTest(
         model.name().c_str(), property.name, nullptr, nullptr, __FILE__, __LINE__,
         [&model, &property]() -> ::testing::Test* { return new ModelTest(model, property); });
-  for (const Exemplar& exemplar : model.descriptor.exemplars)
-    for (const Property& property : subject_properties())
-      ::testing::RegisterTest((model.name() + "/" + slug(exemplar.name)).c_str(), property.name,
-                              nullptr, nullptr, __FILE__, __LINE__,
-                              [&model, &exemplar, &property]() -> ::testing::Test* {
-                                return new SubjectTest(model, exemplar, property);
-                              });
+  for (const SuiteSubject& s : exemplar_subjects(model))
+    register_subject(model.name(), s);
 }
 
 } // namespace
@@ -100,7 +105,13 @@ int main(int argc, char** argv) {
   Registry::global().add(newcomers::newcomers_models(), FACETA_TEST_MODULES, "newcomers");
   round_trips().emplace_back("xml", through_xml);
   round_trips().emplace_back("json", through_json);
+  tree_round_trips().emplace_back(
+      "xml", [](const MaterialNode& tree) { return parse_material(write_material(tree)); });
   for (const auto& model : Registry::global().models())
     register_model(*model);
+  for (const SceneNode& node : scene_nodes())
+    for (const SuiteSubject& s :
+         exemplar_subjects(node, [](const std::string& xml) { return parse_material(xml); }))
+      register_subject(node.descriptor.name, s);
   return RUN_ALL_TESTS();
 }

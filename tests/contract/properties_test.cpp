@@ -92,9 +92,9 @@ TEST(RoundTrip, FindsAFormatThatLosesDigits) {
 TEST(Excuses, AreFoundByTheNameOfTheProperty) {
   Model model;
   model.descriptor.excuses.push_back({"energy", "because"});
-  ASSERT_NE(find_excuse(model, "energy"), nullptr);
-  EXPECT_EQ(find_excuse(model, "energy")->reason, "because");
-  EXPECT_EQ(find_excuse(model, "chi2"), nullptr);
+  ASSERT_NE(find_excuse(model.descriptor, "energy"), nullptr);
+  EXPECT_EQ(find_excuse(model.descriptor, "energy")->reason, "because");
+  EXPECT_EQ(find_excuse(model.descriptor, "chi2"), nullptr);
 }
 
 } // namespace

@@ -174,7 +174,7 @@ TEST(Suite, ResultsDependOnTheSeedAndNotOnThreads) {
 TEST(SuiteSubjects, AreNamedByWhatTheyAre) {
   SuiteSubject s = settings_subject(model("none"), {{"gain", "0.5"}, {"reflectance", "1,0,0"}});
   EXPECT_EQ(s.name, "none gain=0.5 reflectance=1,0,0");
-  EXPECT_EQ(s.subject.parameters.text("gain"), "0.5");
+  EXPECT_EQ(s.subject.parameters->text("gain"), "0.5");
   EXPECT_THROW(settings_subject(model("none"), {{"gain", "2"}}), Error);
   EXPECT_THROW(settings_subject(model("none"), {{"gaim", "1"}}), Error);
   EXPECT_EQ(exemplar_subjects(model("none"))[0].name, "none/white");

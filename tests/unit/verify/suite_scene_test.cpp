@@ -27,7 +27,8 @@ struct Collected {
   std::vector<SuiteSubject> subjects;
   std::vector<std::string> notes, names;
   explicit Collected(const std::vector<std::pair<std::string, NodePtr>>& materials) {
-    add_scene_subjects(materials, subjects, notes);
+    Scene scene;
+    add_scene_subjects(materials, scene, subjects, notes);
     for (const SuiteSubject& s : subjects)
       names.push_back(s.name);
   }
@@ -47,27 +48,26 @@ TEST(SceneSubjects, AreNamedById) {
   NodePtr floor = tree(Kind::twosided, {inner}, 7);
   NodePtr nameless = leaf("conductor", {}, 12);
   Collected c({{"wall", wall}, {"floor", floor}, {"", inner}, {"", nameless}});
-  EXPECT_EQ(c.names, (Names{"wall", "floor/phong", "conductor:12"}));
+  EXPECT_EQ(c.names, (Names{"wall", "floor", "floor/phong", "conductor:12"}));
   EXPECT_EQ(c.subjects[0].where, "s.xml:4:3");
   EXPECT_EQ(c.subjects[0].origin, Origin::scene);
-  EXPECT_EQ(c.subjects[0].subject.parameters.slots()[0], 0.2);
-  EXPECT_TRUE(c.tells("twosided: not verified"));
-  EXPECT_TRUE(c.tells(": floor"));
-  EXPECT_FALSE(c.tells("wall"));
+  EXPECT_EQ(c.subjects[0].subject.parameters->slots()[0], 0.2);
+  EXPECT_TRUE(c.notes.empty());
 }
 
-TEST(SceneSubjects, ATreeGivesEachOfItsModelsOnce) {
+TEST(SceneSubjects, ATreeGivesItselfAndEachOfItsModelsOnce) {
   NodePtr a = leaf("diffuse", {{"reflectance", "0.2"}}, 4);
   NodePtr b = leaf("diffuse", {{"reflectance", "0.3"}}, 5);
-  NodePtr blend = tree(Kind::blend, {a, b}, 3);
-  NodePtr hole = tree(Kind::mask, {blend}, 2);
+  NodePtr blend = tree(Kind::blend, {a, b}, 3), hole = tree(Kind::mask, {blend}, 2);
+  blend->weight.value = {0.5, 0.5, 0.5};
+  hole->weight.value = {0.75, 0.75, 0.75};
   Collected c({{"", hole}, {"", blend}, {"", a}, {"", b}, {"air", tree(Kind::null, {}, 9)}});
-  EXPECT_EQ(c.names, (Names{"diffuse:4", "diffuse:5"}));
-  EXPECT_TRUE(c.tells("mask: not verified"));
-  EXPECT_TRUE(c.tells("line 2"));
-  EXPECT_TRUE(c.tells("null: not verified, light passes: air"));
+  EXPECT_EQ(c.names, (Names{"mask:2", "blendbsdf:3", "diffuse:4", "diffuse:5", "air"}));
+  EXPECT_EQ(c.subjects[0].subject.tree->text(),
+            "mask(opacity=0.75; blendbsdf(weight=0.5; diffuse reflectance=0.2,0.2,0.2, "
+            "diffuse reflectance=0.3,0.3,0.3))");
   Collected named({{"mix", blend}, {"", a}, {"", b}});
-  EXPECT_EQ(named.names, (Names{"mix/diffuse", "mix/diffuse:5"}));
+  EXPECT_EQ(named.names, (Names{"mix", "mix/diffuse", "mix/diffuse:5"}));
 }
 
 TEST(SceneSubjects, EqualParametersAreVerifiedOnce) {
@@ -78,6 +78,28 @@ TEST(SceneSubjects, EqualParametersAreVerifiedOnce) {
   EXPECT_EQ(c.names, (Names{"a", "c", "d"}));
   ASSERT_EQ(c.notes.size(), 1u);
   EXPECT_EQ(c.notes[0], "a stands for equal parameters: b");
+}
+
+TEST(SceneSubjects, EqualTreesAreVerifiedOnce) {
+  auto holes = [](double opacity, int line) {
+    NodePtr mask = tree(Kind::mask, {leaf("phong", {{"exponent", "9"}}, line + 1)}, line);
+    mask->weight.value.fill(opacity);
+    return mask;
+  };
+  Collected c({{"a", holes(0.5, 1)}, {"b", holes(0.5, 3)}, {"c", holes(0.25, 5)}});
+  EXPECT_EQ(c.names, (Names{"a", "a/phong", "c"}));
+  EXPECT_TRUE(c.tells("a stands for equal parameters: b"));
+  EXPECT_TRUE(c.tells("a/phong stands for equal parameters: b/phong, c/phong"));
+}
+
+TEST(SceneSubjects, WhatTheRendererWouldRefuseIsRefused) {
+  NodePtr glass = tree(Kind::twosided, {leaf("dielectric", {}, 8)}, 7);
+  try {
+    Collected c({{"pane", glass}});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.where().line, 8);
+  }
 }
 
 TEST(SceneSubjects, TexturesAreToldWithTheirMeans) {
