@@ -7,7 +7,10 @@
 namespace faceta::cli {
 
 std::vector<SuiteSubject> node_subjects(const SceneNode& node) {
-  return exemplar_subjects(node, [](const std::string& xml) { return parse_material(xml); });
+  std::vector<SuiteSubject> subjects;
+  for (const auto& [name, xml] : node.exemplars)
+    subjects.push_back(tree_subject(node, name, *parse_material(xml)));
+  return subjects;
 }
 
 void add_round_trips() {

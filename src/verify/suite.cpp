@@ -138,16 +138,14 @@ std::vector<SuiteSubject> exemplar_subjects(const Model& model) {
   return subjects;
 }
 
-std::vector<SuiteSubject> exemplar_subjects(const SceneNode& node, const ParseMaterial& parse) {
-  std::vector<SuiteSubject> subjects;
-  for (const auto& [name, xml] : node.exemplars)
-    subjects.push_back({node.descriptor.name + "/" + name,
-                        Origin::exemplar,
-                        Subject(std::make_shared<MaterialTree>(*parse(xml))),
-                        name,
-                        {},
-                        {}});
-  return subjects;
+SuiteSubject tree_subject(const SceneNode& node, const std::string& exemplar,
+                          const MaterialNode& root) {
+  return {node.descriptor.name + "/" + exemplar,
+          Origin::exemplar,
+          Subject(std::make_shared<MaterialTree>(root)),
+          exemplar,
+          {},
+          {}};
 }
 
 SuiteSubject settings_subject(const Model& model, const Settings& settings) {

@@ -62,9 +62,9 @@ struct SuiteSubject {
 
 /// Exemplars of a model as subjects.
 std::vector<SuiteSubject> exemplar_subjects(const Model& model);
-/// Trees with a node of scene files at the root; `parse` reads a <bsdf>.
-using ParseMaterial = std::function<std::shared_ptr<MaterialNode>(const std::string& xml)>;
-std::vector<SuiteSubject> exemplar_subjects(const SceneNode& node, const ParseMaterial& parse);
+/// A tree with a node of scene files at the root.
+SuiteSubject tree_subject(const SceneNode& node, const std::string& exemplar,
+                          const MaterialNode& root);
 /// A model with parameters given by name, named by them: "phong exponent=20".
 SuiteSubject settings_subject(const Model& model, const Settings& settings);
 

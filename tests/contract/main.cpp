@@ -52,14 +52,15 @@ void report(const Outcome& outcome, const Descriptor& descriptor, const std::str
 
 class SubjectTest : public ::testing::Test {
 public:
-  SubjectTest(const Subject& s, const Property& p) : subject_(s), property_(p) {}
+  using MakeSubject = std::function<Subject()>;
+  SubjectTest(const MakeSubject& make, const Property& p) : make_subject_(make), property_(p) {}
   void TestBody() override {
-    report(property_.check(subject_, effort(), test_level()), subject_.descriptor(),
-           property_.name);
+    Subject subject = make_subject_(); // here: a program that runs one test makes one subject
+    report(property_.check(subject, effort(), test_level()), subject.descriptor(), property_.name);
   }
 
 private:
-  const Subject subject_;
+  const MakeSubject make_subject_;
   const Property& property_;
 };
 
@@ -80,13 +81,12 @@ std::string slug(std::string name) {
   return name;
 }
 
-void register_subject(const std::string& type, const SuiteSubject& s) {
+void register_subject(const std::string& type, const std::string& exemplar,
+                      const SubjectTest::MakeSubject& make) {
   for (const Property& property : subject_properties())
-    ::testing::RegisterTest((type + "/" + slug(s.exemplar)).c_str(), property.name, nullptr,
-                            nullptr, __FILE__, __LINE__,
-                            [subject = s.subject, &property]() -> ::testing::Test* {
-                              return new SubjectTest(subject, property);
-                            });
+    ::testing::RegisterTest(
+        (type + "/" + slug(exemplar)).c_str(), property.name, nullptr, nullptr, __FILE__, __LINE__,
+        [make, &property]() -> ::testing::Test* { return new SubjectTest(make, property); });
 }
 
 void register_model(const Model& model) {
@@ -94,8 +94,9 @@ void register_model(const Model& model) {
     ::testing::RegisterTest(
         model.name().c_str(), property.name, nullptr, nullptr, __FILE__, __LINE__,
         [&model, &property]() -> ::testing::Test* { return new ModelTest(model, property); });
-  for (const SuiteSubject& s : exemplar_subjects(model))
-    register_subject(model.name(), s);
+  for (const Exemplar& exemplar : model.descriptor.exemplars)
+    register_subject(model.name(), exemplar.name,
+                     [&model, &exemplar] { return Subject(model, exemplar); });
 }
 
 } // namespace
@@ -110,8 +111,9 @@ int main(int argc, char** argv) {
   for (const auto& model : Registry::global().models())
     register_model(*model);
   for (const SceneNode& node : scene_nodes())
-    for (const SuiteSubject& s :
-         exemplar_subjects(node, [](const std::string& xml) { return parse_material(xml); }))
-      register_subject(node.descriptor.name, s);
+    for (const auto& [name, xml] : node.exemplars)
+      register_subject(node.descriptor.name, name, [text = xml] {
+        return Subject(std::make_shared<MaterialTree>(*parse_material(text)));
+      });
   return RUN_ALL_TESTS();
 }
