@@ -322,13 +322,18 @@ FACETA_INLINE MaskOf<T> sample_sphere_light(const LightLanes<T>& l, const MaskOf
   SinCos<T> phi = sincos(T(2 * kPi) * u.y);
   T sine = sqrt(max(sin2, T(0)));
   Vec3<T> w = frame.to_world({sine * phi.cos, sine * phi.sin, cosine});
-  T along = fma(distance, cosine, -safe_sqrt(l.radius * l.radius - d2 * sin2));
+  T inward = safe_sqrt(l.radius * l.radius - d2 * sin2);
+  T along = fma(distance, cosine, -inward);
   Vec3<T> anywhere = uniform_sphere(u);
   Vec3<T> near_point = fma(anywhere, l.radius, to_center);
   offset = select(sphere, select(outside, w * along, near_point), offset);
   normal = select(sphere, anywhere * l.n.x, normal); // n.x: orientation of the sphere
-  // From the centre to the point, both seen from p.
-  normal = select(sphere & outside, normalize(offset - to_center) * l.n.x, normal);
+  // From the centre to the point; taken as the difference of both, little of it would be left of
+  // small spheres far away.
+  T across = sine * along;
+  Vec3<T> outward =
+      frame.to_world({across * phi.cos, across * phi.sin, -fma(distance, sin2, inward * cosine)});
+  normal = select(sphere & outside, normalize(outward) * l.n.x, normal);
   solid_pdf = select(sphere & outside, T(1 / (2 * kPi)) / select(outside, cone, T(1)), solid_pdf);
   return outside;
 }

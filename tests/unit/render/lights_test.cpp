@@ -104,6 +104,14 @@ public:
     EXPECT_LT(test::chi_square_score(expected, observed), 4.5);
   }
 
+  /// The same where it is small: only the relative error counts.
+  void check_irradiance_within(const Double3& normal, double wanted, double relative) {
+    double sum = 0;
+    for (int i = 0; i < kSamples; ++i)
+      sum += dot(samples_.direction[i], normal) / samples_.pdf[i];
+    EXPECT_NEAR(sum / kSamples / wanted, 1, relative);
+  }
+
   /// The mean of cosine over density is the irradiance.
   void check_irradiance(const Double3& normal, double wanted) {
     std::vector<double> values(kSamples);
@@ -278,6 +286,25 @@ TEST(LightSampling, SphereFromOutside) {
         double theta = std::acos(dot(normalize(to_center), n));
         view.check_irradiance(n, test::sphere_irradiance(true_h, theta));
       }
+    }
+  }
+}
+
+// Rays miss a sphere of 1e-5 of its distance by rounding alone; samples of it are right still.
+TEST(LightSampling, TinySphere) {
+  for (double radius : {1e-3, 1e-4, 1e-5, 1e-7}) {
+    LoneLight light = test::sphere_light({0.1, -0.2, 0.05}, radius, false);
+    for (double distance : {0.1, 1.0, 30.0}) {
+      SCOPED_TRACE(testing::Message() << "radius " << radius << ", distance " << distance);
+      Double3 way = normalize({1, 2, -1});
+      Double3 p = test::rounded(add({0.1, -0.2, 0.05}, scale(way, -distance)));
+      Double3 to_center = sub({0.1, -0.2, 0.05}, p);
+      View view(light, p);
+      if (radius >= 1e-4 * distance)
+        view.check_hits();
+      EXPECT_EQ(view.valid_share(), 1);
+      double solid_angle = kPi * radius * radius / dot(to_center, to_center);
+      view.check_irradiance_within(normalize(to_center), solid_angle, 1e-5);
     }
   }
 }
