@@ -1,6 +1,7 @@
 #include "formats/material_xml.h"
 
 #include "formats/mitsuba_reader.h"
+#include "spectrum/cie.h"
 
 #include <fmt/format.h>
 
@@ -105,10 +106,12 @@ private:
   }
 
   void set_weight(xml::Node& node, const char* name, const MaterialNode& material) {
+    const std::array<double, 3>& v = material.weight.value;
+    bool is_grey = v[0] == v[1] && v[1] == v[2];
     if (material.weight.texture >= 0)
       set_texture(node, name, material.weight.texture, material);
-    else
-      node.set(name, xml::Type::float_, material.weight.value[0]);
+    else // the reader takes a colour's mean, the renderer its luminance
+      node.set(name, xml::Type::float_, is_grey ? v[0] : luminance(v));
   }
 
   const TextureToXml& texture_;

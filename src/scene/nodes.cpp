@@ -80,13 +80,13 @@ SceneNode make_twosided() {
 }
 
 SceneNode make_mask() {
-  SceneNode node =
-      make_node(Kind::mask, "mask", "Material with holes",
-                "f = opacity f_nested; straight on with 1 - opacity",
-                {"Nest one bsdf.", "Of a colour or colour texture the mean counts.",
-                 "Light is not sampled through the holes: it shines through when a path happens "
-                 "to meet it."},
-                "  <bsdf type=\"diffuse\"/>\n");
+  SceneNode node = make_node(
+      Kind::mask, "mask", "Material with holes",
+      "f = opacity f_nested; straight on with 1 - opacity",
+      {"Nest one bsdf.", "Of a colour the mean counts, of a colour texture the luminance.",
+       "Light is not sampled through the holes: it shines through when a path happens "
+       "to meet it."},
+      "  <bsdf type=\"diffuse\"/>\n");
   node.descriptor.params = {share("opacity", "share of the nested bsdf; the rest is a hole")};
   node.exemplars = {{"leaf", R"(<bsdf version="3.0.0" type="mask">
   <float name="opacity" value="0.7"/>
@@ -116,7 +116,7 @@ SceneNode make_blend() {
       make_node(Kind::blend, "blendbsdf", "Mixture of two materials",
                 "f = (1 - weight) f_first + weight f_second",
                 {"Nest two bsdfs; they may be blends themselves.",
-                 "Of a colour or colour texture the mean counts."},
+                 "Of a colour the mean counts, of a colour texture the luminance."},
                 "  <float name=\"weight\" value=\"0.5\"/>\n  <bsdf type=\"diffuse\"/>\n"
                 "  <bsdf type=\"conductor\"/>\n");
   node.descriptor.params = {share("weight", "share of the second bsdf")};

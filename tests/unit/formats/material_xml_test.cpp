@@ -107,6 +107,15 @@ TEST(MaterialXml, TreesComeBack) {
   EXPECT_EQ(write_material(*back), text);
 }
 
+TEST(MaterialXml, AColouredWeightIsWrittenAsTheShareItIs) {
+  auto tree = read_bsdf("type='mask'><float name='opacity' value='0.3'/><bsdf type='diffuse'/>");
+  tree->weight.value = {0.9, 0.2, 0.1};
+  auto back = parse_material(write_material(*tree));
+  double share = 0.212671 * 0.9 + 0.715160 * 0.2 + 0.072169 * 0.1; // ITU-R BT.709
+  for (double v : back->weight.value)
+    EXPECT_NEAR(v, share, 1e-3);
+}
+
 TEST(MaterialXml, SharedChildrenAreWrittenOnce) {
   auto tree = read_bsdf("type='blendbsdf'><float name='weight' value='0.3'/>"
                         "<bsdf type='plastic' id='p'/><ref id='p'/>");
