@@ -91,7 +91,7 @@ struct Numbers {
   double samples = 0, rays = 0, lane_use = 0;
   double render = 0, embree = 0; ///< median processor seconds of one thread
   double ratio = 0;              ///< median of the rounds'
-  double one = 0, two = 0;       ///< median wall seconds of one and of two threads; 0: unknown
+  double efficiency = 0;         ///< median of the rounds': one thread's wall time over twice two's
   std::array<int, kRayKinds> widths{};
   std::array<double, kRayKinds> ns{}; ///< Embree, per ray and kind
   double busy = 0;                    ///< wall over processor seconds of the one-thread renders
@@ -126,20 +126,19 @@ Numbers measure(const Scene& scene, RenderOptions render_options, const Options&
   int width = Registry::global().render_kernels(render_options.isa)->lane_width;
   n.lane_use = double(result.counters.vertices) / (double(result.counters.groups) * width);
 
-  std::vector<double> renders, embrees, ratios, ones, twos, busy, two_busy;
+  std::vector<double> renders, embrees, ratios, efficiencies, busy, two_busy;
   for (int round = 0; round < options.rounds; ++round) {
     Timed one = timed([&] { render(scene, render_options); });
     Timed embree = timed([&] { replay.run(); });
     renders.push_back(one.cpu);
     embrees.push_back(embree.cpu);
     ratios.push_back(one.cpu / embree.cpu);
-    ones.push_back(one.wall);
     busy.push_back(one.wall / one.cpu);
     if (std::thread::hardware_concurrency() > 1) {
       RenderOptions both = render_options;
       both.threads = 2;
       Timed two = timed([&] { render(scene, both); });
-      twos.push_back(two.wall);
+      efficiencies.push_back(one.wall / (2 * two.wall));
       two_busy.push_back(2 * two.wall / two.cpu);
     }
   }
@@ -149,10 +148,9 @@ Numbers measure(const Scene& scene, RenderOptions render_options, const Options&
   n.render = median(renders);
   n.embree = median(embrees);
   n.ratio = median(ratios);
-  n.one = median(ones);
-  n.two = twos.empty() ? 0 : median(twos);
+  n.efficiency = efficiencies.empty() ? 0 : median(efficiencies);
   n.busy = median(busy);
-  n.two_busy = twos.empty() ? 0 : median(two_busy);
+  n.two_busy = two_busy.empty() ? 0 : median(two_busy);
   return n;
 }
 
@@ -163,13 +161,12 @@ void print_header() {
 }
 
 void report(const Case& c, const char* isa, const Numbers& n, Results& results) {
-  double efficiency = n.two > 0 ? n.one / (2 * n.two) : 0;
   fmt::print("{:<13}{:>7}{:>5}{:>12.3f}{:>9.2f}{:>10.3f}{:>10.3f}{:>8.3f}{:>10.3f}{:>11}   "
              "{:.1f} (x{}), {:.1f} (x{}), {:.1f} (x{})\n",
              c.name, isa, n.spp, 1e-6 * n.samples / n.render, 1e-6 * n.rays / n.render, n.render,
              n.embree, n.ratio, n.lane_use,
-             efficiency > 0 ? fmt::format("{:.1f} %", 100 * efficiency) : "-", n.ns[0], n.widths[0],
-             n.ns[1], n.widths[1], n.ns[2], n.widths[2]);
+             n.efficiency > 0 ? fmt::format("{:.1f} %", 100 * n.efficiency) : "-", n.ns[0],
+             n.widths[0], n.ns[1], n.widths[1], n.ns[2], n.widths[2]);
   if (n.busy > 1.05 || n.two_busy > 1.1)
     fmt::print("  note: wall time was {:.2f} times the processor time with one thread, {:.2f} with "
                "two: on a busy machine the ratio still holds, the last column does not\n",
@@ -181,8 +178,8 @@ void report(const Case& c, const char* isa, const Numbers& n, Results& results) 
   results.add(c.name + ": rays", isa, "M/s", 1e-6 * n.rays / n.render);
   results.add(c.name + ": rays of embree alone", isa, "M/s", 1e-6 * n.rays / n.embree);
   results.add(c.name + ": lane use", isa, "1", n.lane_use, "full groups of lanes");
-  if (efficiency > 0)
-    results.add(c.name + ": two-thread efficiency", isa, "1", efficiency,
+  if (n.efficiency > 0)
+    results.add(c.name + ": two-thread efficiency", isa, "1", n.efficiency,
                 "one thread (goal: at least 0.95)");
 }
 

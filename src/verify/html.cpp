@@ -51,7 +51,7 @@ summary b{margin-right:.6rem}
 details[open]>summary{border-bottom:1px solid var(--line);border-radius:8px 8px 0 0}
 :target{scroll-margin-top:.5rem}
 details:target>summary{background:var(--panel)}
-.settings code{display:inline-block;background:var(--panel);border:1px solid var(--line);border-radius:5px;
+.settings code{display:inline-block;overflow-wrap:anywhere;max-width:100%;box-sizing:border-box;background:var(--panel);border:1px solid var(--line);border-radius:5px;
 padding:0 .35rem;margin:.1rem 0}
 td .bad{font-weight:400}td>.bad:only-child{font-weight:700}.trouble{border-left:4px solid var(--bad);padding:.1rem .8rem;margin:.6rem 0}
 button{font:inherit;color:var(--link);background:var(--panel);border:1px solid var(--line);border-radius:6px;
