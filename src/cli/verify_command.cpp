@@ -19,9 +19,13 @@ namespace {
 struct Subjects {
   std::vector<SuiteSubject> subjects;
   std::vector<const Model*> models; ///< asked as a whole
+  std::vector<const SceneNode*> nodes;
   std::vector<std::string> notes;
 
   void add_node(const SceneNode& node) {
+    if (std::find(nodes.begin(), nodes.end(), &node) != nodes.end())
+      return;
+    nodes.push_back(&node);
     for (SuiteSubject& s : node_subjects(node))
       subjects.push_back(std::move(s));
   }
@@ -44,14 +48,13 @@ void add_target(const VerifyTarget& target, const Settings& defines, Subjects& a
                        all.notes);
     return;
   }
-  for (const SceneNode& node : scene_nodes())
-    if (node.descriptor.name == target.name) {
-      if (!target.settings.empty())
-        throw Error("'" + target.name + "' puts materials of a scene file together", {},
-                    "verify the scene file, or '" + target.name + "' without settings");
-      all.add_node(node);
-      return;
-    }
+  if (const SceneNode* node = find_scene_node(target.name)) {
+    if (!target.settings.empty())
+      throw Error("'" + target.name + "' puts materials of a scene file together", {},
+                  "verify the scene file, or '" + target.name + "' without settings");
+    all.add_node(*node);
+    return;
+  }
   const Model& model = Registry::global().get(target.name);
   if (target.settings.empty())
     all.add_model(model);
@@ -63,12 +66,12 @@ Subjects choose_subjects(const VerifyOptions& options) {
   Subjects all;
   for (const VerifyTarget& target : options.targets)
     add_target(target, options.defines, all);
-  if (options.targets.empty())
-    for (const auto& model : Registry::global().models())
-      all.add_model(*model);
+  if (!options.targets.empty())
+    return all;
+  for (const auto& model : Registry::global().models())
+    all.add_model(*model);
   for (const SceneNode& node : scene_nodes())
-    if (options.targets.empty())
-      all.add_node(node);
+    all.add_node(node);
   return all;
 }
 

@@ -249,7 +249,8 @@ Json parameter_json(const Descriptor& d, const ParamInfo& p) {
 
 Json material_json(const Descriptor& d) {
   Json j = {{"name", d.name}, {"title", d.title}, {"equation", d.equation}};
-  j["role"] = find_scene_node(d.name) ? "node" : "model";
+  const SceneNode* node = find_scene_node(d.name);
+  j["role"] = node ? "node" : "model";
   j["parameters"] = Json::array();
   for (const ParamInfo& p : d.params)
     j["parameters"].push_back(parameter_json(d, p));
@@ -266,10 +267,9 @@ Json material_json(const Descriptor& d) {
       settings[key] = value;
     j["exemplars"].push_back({{"name", e.name}, {"settings", settings}, {"lossless", e.lossless}});
   }
-  for (const SceneNode& node : scene_nodes())
-    if (node.descriptor.name == d.name)
-      for (const auto& [name, xml] : node.exemplars)
-        j["exemplars"].push_back({{"name", name}, {"xml", xml}});
+  if (node)
+    for (const auto& [name, xml] : node->exemplars)
+      j["exemplars"].push_back({{"name", name}, {"xml", xml}});
   j["traits"] = {{"lobes", lobes_text(d.traits)},
                  {"reciprocal", d.traits.reciprocal},
                  {"albedo_bound", d.traits.albedo_bound},
@@ -308,17 +308,16 @@ std::string material_xml_snippet(const Descriptor& d) {
     if (!others.empty())
       body += fmt::format("  <!-- instead of {}: {} -->\n", p.name, join(others, " and "));
   }
-  for (const SceneNode& node : scene_nodes())
-    if (node.descriptor.name == d.name)
-      body += node.nested;
+  if (const SceneNode* node = find_scene_node(d.name))
+    body += node->nested;
   if (body.empty())
     return fmt::format("<bsdf type=\"{}\"/>\n", d.name);
   return fmt::format("<bsdf type=\"{}\">\n{}</bsdf>\n", d.name, body);
 }
 
 const Descriptor& material_descriptor(const Registry& registry, const std::string& name) {
-  if (const Descriptor* node = find_scene_node(name))
-    return *node;
+  if (const SceneNode* node = find_scene_node(name))
+    return node->descriptor;
   if (const Model* model = registry.find(name))
     return model->descriptor;
   std::vector<std::string> names = registry.names();

@@ -181,10 +181,10 @@ const std::vector<SceneNode>& scene_nodes() {
   return nodes;
 }
 
-const Descriptor* find_scene_node(const std::string& name) {
+const SceneNode* find_scene_node(const std::string& name) {
   for (const SceneNode& node : scene_nodes())
     if (node.descriptor.name == name)
-      return &node.descriptor;
+      return &node;
   return nullptr;
 }
 

@@ -17,7 +17,7 @@ struct SceneNode {
 const std::vector<SceneNode>& scene_nodes();
 /// The node of a kind; Error for models.
 const SceneNode& scene_node(MaterialNode::Kind kind);
-/// The descriptor of a node, or null.
-const Descriptor* find_scene_node(const std::string& name);
+/// Null if nothing has this name.
+const SceneNode* find_scene_node(const std::string& name);
 
 } // namespace faceta

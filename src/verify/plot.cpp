@@ -63,9 +63,8 @@ std::string without_repeats(const std::string& text) {
 
 PlotMaterial plot_material(const Parameters& parameters) {
   std::string text;
-  for (const ParamInfo& p : parameters.descriptor().params)
-    if (parameters.was_set(p.name))
-      text += (text.empty() ? "" : " ") + p.name + "=" + without_repeats(parameters.text(p.name));
+  for (const auto& [name, value] : parameters.given())
+    text += (text.empty() ? "" : " ") + name + "=" + without_repeats(value);
   return {Subject(parameters.model(), parameters), parameters.model().name(),
           text.empty() ? "default parameters" : text};
 }

@@ -38,8 +38,8 @@ std::string beyond_range(const Parameters& p) {
 
 class Collector {
 public:
-  Collector(const NamedMaterials& materials, Scene& scene, std::vector<SuiteSubject>& subjects,
-            std::vector<std::string>& notes)
+  Collector(const NamedMaterials& materials, const Scene& scene,
+            std::vector<SuiteSubject>& subjects, std::vector<std::string>& notes)
       : scene_(scene), subjects_(subjects), notes_(notes) {
     for (const auto& [id, node] : materials)
       ids_[node.get()] = id;
@@ -131,11 +131,8 @@ private:
 
 } // namespace
 
-void add_scene_subjects(const NamedMaterials& materials, Scene& scene,
+void add_scene_subjects(const NamedMaterials& materials, const Scene& scene,
                         std::vector<SuiteSubject>& subjects, std::vector<std::string>& notes) {
-  for (const auto& material : materials) // is every tree sound?
-    if (material.second->kind != Kind::model)
-      scene.add_material(material.second);
   Collector collector(materials, scene, subjects, notes);
   for (const auto& material : materials)
     collector.add(*material.second, {});

@@ -11,9 +11,9 @@ namespace faceta {
 /// nested in them too, with the parameters it has there. It is named by its id, else by the id of
 /// what holds it and its type, else by its type and line. Once for several with equal parameters;
 /// with the mean of each texture. What stands for something else goes to `notes`, a line each.
-/// \param scene that holds the textures; the materials are added to it
+/// \param scene that holds the textures
 /// @throws Error for a tree that the renderer would refuse.
-void add_scene_subjects(const NamedMaterials& materials, Scene& scene,
+void add_scene_subjects(const NamedMaterials& materials, const Scene& scene,
                         std::vector<SuiteSubject>& subjects, std::vector<std::string>& notes);
 
 } // namespace faceta
