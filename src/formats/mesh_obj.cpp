@@ -273,7 +273,7 @@ private:
     return mesh;
   }
 
-  MeshText source_;
+  InputText source_;
   const char* p_;
   const char* end_;
   MeshOptions options_;

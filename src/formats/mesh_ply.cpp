@@ -27,7 +27,7 @@ float half_to_float(uint16_t bits) {
 // One value after the other of a text body.
 class AsciiBody {
 public:
-  AsciiBody(const MeshText& source, size_t offset)
+  AsciiBody(const InputText& source, size_t offset)
       : source_(source), p_(source.text.data() + offset),
         end_(source.text.data() + source.text.size()) {}
 
@@ -81,7 +81,7 @@ private:
     return p_;
   }
 
-  const MeshText& source_;
+  const InputText& source_;
   const char* p_;
   const char* end_;
   const char* last_ = p_; // the value read last
@@ -90,7 +90,7 @@ private:
 // One value after the other of a binary body.
 class BinaryBody {
 public:
-  BinaryBody(const MeshText& source, size_t offset, bool swap)
+  BinaryBody(const InputText& source, size_t offset, bool swap)
       : source_(source), p_(source.text.data() + offset),
         end_(source.text.data() + source.text.size()), swap_(swap) {}
 
@@ -167,7 +167,7 @@ private:
     return source_.error_at_byte(p_, "the file ends before property '" + name + "'");
   }
 
-  const MeshText& source_;
+  const InputText& source_;
   const char* p_;
   const char* end_;
   const char* last_ = p_; // the value read last
@@ -180,7 +180,7 @@ constexpr int kSkipped = -1;
 
 class PlyBuilder {
 public:
-  PlyBuilder(const MeshText& source, const PlyHeader& header, const MeshOptions& options)
+  PlyBuilder(const InputText& source, const PlyHeader& header, const MeshOptions& options)
       : source_(source), header_(header), options_(options) {
     for (const PlyElement& element : header.elements) {
       if (element.name == "vertex")
@@ -339,7 +339,7 @@ private:
     }
   }
 
-  const MeshText& source_;
+  const InputText& source_;
   const PlyHeader& header_;
   MeshOptions options_;
   uint64_t vertices_ = 0;
@@ -353,7 +353,7 @@ Mesh read_ply(const std::string& path, const MeshOptions& options) {
 }
 
 Mesh parse_ply(std::string_view bytes, const std::string& name, const MeshOptions& options) {
-  MeshText source{bytes, name};
+  InputText source{bytes, name};
   PlyHeader header = parse_ply_header(source);
   PlyBuilder builder(source, header, options);
   if (header.encoding == PlyEncoding::kAscii)

@@ -25,7 +25,7 @@ constexpr TypeName kTypeNames[] = {
 
 class HeaderParser {
 public:
-  explicit HeaderParser(const MeshText& source)
+  explicit HeaderParser(const InputText& source)
       : source_(source), p_(source.text.data()), end_(p_ + source.text.size()) {}
 
   PlyHeader run() {
@@ -191,7 +191,7 @@ private:
     }
   }
 
-  const MeshText& source_;
+  const InputText& source_;
   const char* p_;
   const char* end_;
   const char* line_end_ = nullptr;
@@ -227,7 +227,7 @@ bool is_integer(PlyType type) {
   return type != PlyType::kF16 && type != PlyType::kF32 && type != PlyType::kF64;
 }
 
-PlyHeader parse_ply_header(const MeshText& source) {
+PlyHeader parse_ply_header(const InputText& source) {
   return HeaderParser(source).run();
 }
 

@@ -38,6 +38,6 @@ struct PlyHeader {
 /// Reads the header up to and including end_header. Counts are checked against the size of the
 /// file; elements and the properties of each have distinct names. Throws Error with line and
 /// column.
-PlyHeader parse_ply_header(const MeshText& source);
+PlyHeader parse_ply_header(const InputText& source);
 
 } // namespace faceta

@@ -1,4 +1,4 @@
-#include "formats/mesh_input.h"
+#include "formats/input_text.h"
 
 #include <charconv>
 #include <cmath>
@@ -27,7 +27,7 @@ std::string read_whole_file(const std::string& path) {
   return bytes;
 }
 
-Error MeshText::error(const char* at, const std::string& message, const std::string& hint) const {
+Error InputText::error(const char* at, const std::string& message, const std::string& hint) const {
   int line = 1, column = 1;
   for (const char* p = text.data(); p != at; ++p) {
     bool newline = *p == '\n' || (*p == '\r' && p + 1 != at && p[1] != '\n');
@@ -37,7 +37,7 @@ Error MeshText::error(const char* at, const std::string& message, const std::str
   return Error(message, {name, line, column}, hint);
 }
 
-Error MeshText::error_at_byte(const char* at, const std::string& message) const {
+Error InputText::error_at_byte(const char* at, const std::string& message) const {
   return Error(message + ", at byte " + std::to_string(at - text.data()), {name});
 }
 
