@@ -40,7 +40,10 @@ template <class T> struct Measured {
                 "which material of a file that holds several")
         .number("wavelength", &M::wavelength, {-kInfinity, kInfinity}, {400, 700}, "nm",
                 "of a file of spectra only this one, as grey; negative: all, as colour")
-        .traits({.lobes = kReflection, .reciprocal = false, .albedo_bound = kInfinity, .of_angles = true})
+        .traits({.lobes = kReflection,
+                 .reciprocal = false,
+                 .albedo_bound = kInfinity,
+                 .of_angles = true})
         .exemplar("default", {{"filename", "demo:plastic"}});
   }
 
