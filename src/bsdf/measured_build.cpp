@@ -59,17 +59,22 @@ private:
   HugeVector<float> values_;
 };
 
-Warp add_warp(Block& block, int nx, int ny, int slices) {
+Warp add_warp(Block& block, int nx, int ny) {
   Warp w{nx, ny, 0, 0, 0};
-  size_t nodes = size_t(nx) * size_t(ny) * size_t(slices);
-  w.data = block.add(nodes);
-  w.conditional = block.add(nodes);
-  w.rows = block.add(size_t(2) * size_t(ny) * size_t(slices));
+  size_t viewers = size_t(block.header.phis) * size_t(block.header.thetas);
+  w.data = block.add(size_t(nx) * size_t(ny) * viewers);
+  w.conditional = block.add(size_t(nx) * size_t(ny) * viewers);
+  w.rows = block.add(size_t(2) * size_t(ny) * viewers);
   return w;
 }
 
-/// Fills a slice: values (scaled to integrate to one over the cells) and their sums.
-void fill_slice(Block& block, const Warp& w, int slice, const double* values) {
+/// One of the viewers of a block.
+struct Viewer {
+  int phi, theta;
+};
+
+/// Fills in a viewer: values (scaled to sum to one over the cells) and their sums.
+void fill_viewer(Block& block, const Warp& w, Viewer viewer, const double* values) {
   const size_t size = size_t(w.nx) * size_t(w.ny);
   std::vector<double> sums(size), rows(size_t(w.ny)), before(size_t(w.ny));
   auto sum_up = [&](const double* v) {
@@ -91,16 +96,17 @@ void fill_slice(Block& block, const Warp& w, int slice, const double* values) {
     values = ones.data();
     total = sum_up(values);
   }
-  float* data = block.at(w.data) + size * size_t(slice);
-  float* conditional = block.at(w.conditional) + size * size_t(slice);
-  for (size_t k = 0; k < size; ++k) {
-    data[k] = static_cast<float>(values[k] / total);
-    conditional[k] = static_cast<float>(sums[k] / total);
+  const size_t thetas = size_t(block.header.thetas);
+  size_t at = size * size_t(viewer.phi) * thetas + size_t(viewer.theta);
+  for (size_t k = 0; k < size; ++k, at += thetas) {
+    block.at(w.data)[at] = static_cast<float>(values[k] / total);
+    block.at(w.conditional)[at] = static_cast<float>(sums[k] / total);
   }
-  float* row = block.at(w.rows) + size_t(2 * w.ny) * size_t(slice);
-  for (int y = 0; y < w.ny; ++y) {
-    row[2 * y] = static_cast<float>(before[size_t(y)] / total);
-    row[2 * y + 1] = static_cast<float>(rows[size_t(y)] / total);
+  float* row =
+      block.at(w.rows) + 2 * rows.size() * size_t(viewer.phi) * thetas + size_t(viewer.theta);
+  for (size_t y = 0; y < rows.size(); ++y, row += 2 * thetas) {
+    row[0] = static_cast<float>(before[y] / total);
+    row[thetas] = static_cast<float>(rows[y] / total);
   }
 }
 
@@ -307,24 +313,23 @@ public:
     h.phi_nodes = block_.add(phi);
     h.sectors = 1;
     h.cosine_share = static_cast<float>(resolution_.cosine);
-    int slices = h.thetas * h.phis;
-    h.vndf = add_warp(block_, side, side, slices);
-    h.luminance = add_warp(block_, resolution_.luminance, resolution_.luminance, slices);
+    h.vndf = add_warp(block_, side, side);
+    h.luminance = add_warp(block_, resolution_.luminance, resolution_.luminance);
     MeasuredTable<double> table(block_.data());
     NormalDensity normals =
         isotropic_ ? isotropic_normals(table, side) : anisotropic_normals(table);
-    tbb::parallel_for(0, slices, [&](int slice) {
-      Vec3<double> wo =
-          direction(std::min<double>(theta[size_t(slice % h.thetas)], 0.5 * kPi - 1e-3),
-                    phi[size_t(slice / h.thetas)]);
-      fill_normals(normals, slice, wo);
-      fill_luminance(table, slice, wo);
+    tbb::parallel_for(0, h.thetas * h.phis, [&](int k) {
+      Viewer viewer{k / h.thetas, k % h.thetas};
+      double inclination = std::min<double>(theta[size_t(viewer.theta)], 0.5 * kPi - 1e-3);
+      Vec3<double> wo = direction(inclination, phi[size_t(viewer.phi)]);
+      fill_normals(normals, viewer, wo);
+      fill_luminance(table, viewer, wo);
     });
   }
 
 private:
   /// D(m) max(0, wo.m) over the square.
-  void fill_normals(const NormalDensity& normals, int slice, const Vec3<double>& wo) {
+  void fill_normals(const NormalDensity& normals, Viewer viewer, const Vec3<double>& wo) {
     const Warp& w = block_.header.vndf;
     std::vector<double> values;
     for (int y = 0; y < w.ny; ++y)
@@ -334,15 +339,18 @@ private:
         double area = u * std::sin(inclination_of(u));
         values.push_back(normals.at(u, phi) * std::max(0.0, dot(wo, m)) * area);
       }
-    fill_slice(block_, w, slice, values.data());
+    fill_viewer(block_, w, viewer, values.data());
   }
 
   /// What is reflected to the viewer, over the density of the visible normals: at the nodes the
   /// mean of the points around them.
-  void fill_luminance(const MeasuredTable<double>& table, int slice, const Vec3<double>& wo) {
+  void fill_luminance(const MeasuredTable<double>& table, Viewer viewer, const Vec3<double>& wo) {
     const Warp& w = block_.header.luminance;
-    MeasuredSlices<double> one{1, {slice}, {1.0}};
-    MeasuredWarp<double> normals(block_.at(0), block_.header.vndf, one);
+    const MeasuredHeader& h = block_.header;
+    int below = std::min(viewer.theta, h.thetas - 2);
+    MeasuredViewer<double> place{
+        h.phis > 1 ? 2 : 1, {viewer.phi, viewer.phi}, {1, 0}, below, double(viewer.theta - below)};
+    MeasuredWarp<double> normals(block_.at(0), h, h.vndf, place);
     int points = resolution_.subsamples * (w.nx - 1);
     std::vector<double> sums(size_t(w.nx) * size_t(w.ny)), weights(sums.size());
     for (int j = 0; j < points; ++j)
@@ -361,7 +369,7 @@ private:
       }
     for (size_t k = 0; k < sums.size(); ++k)
       sums[k] = std::max(0.0, sums[k] / weights[k]);
-    fill_slice(block_, w, slice, sums.data());
+    fill_viewer(block_, w, viewer, sums.data());
   }
   static void deposit(const Warp& w, const Vec2<double>& s, double value, std::vector<double>& sums,
                       std::vector<double>& weights) {
@@ -383,28 +391,43 @@ private:
 
 // --- The adaptive parametrisation ---
 
-Warp add_plain(Block& block, const std::vector<float>& values, const int (&size)[2]) {
+MeasuredHeader::Plain add_plain(Block& block, const std::vector<float>& values,
+                                const int (&size)[2]) {
   check(size[0] >= 2 && size[1] >= 2 && values.size() == size_t(size[0]) * size_t(size[1]),
         "a table has not the size it says");
-  std::vector<float> scaled = values;
-  for (float& v : scaled)
-    v /= float((size[0] - 1) * (size[1] - 1));
-  return {size[1], size[0], block.add(scaled), 0, 0};
+  return {size[1], size[0], block.add(values)};
 }
 
-Warp add_file_warp(Block& block, const std::vector<float>& values, const int (&size)[2],
-                   int slices) {
+Warp add_file_warp(Block& block, const std::vector<float>& values, const int (&size)[2]) {
+  const MeasuredHeader& h = block.header;
   size_t nodes = size_t(size[0]) * size_t(size[1]);
-  check(size[0] >= 2 && size[1] >= 2 && values.size() >= nodes * size_t(slices),
+  check(size[0] >= 2 && size[1] >= 2 && values.size() >= nodes * size_t(h.phis) * size_t(h.thetas),
         "a table has not the size it says");
-  Warp w = add_warp(block, size[1], size[0], slices);
+  Warp w = add_warp(block, size[1], size[0]);
   std::vector<double> slice(nodes);
-  for (int k = 0; k < slices; ++k) {
-    for (size_t i = 0; i < nodes; ++i)
-      slice[i] = std::max(0.0f, values[nodes * size_t(k) + i]);
-    fill_slice(block, w, k, slice.data());
-  }
+  const float* in = values.data();
+  for (int phi = 0; phi < h.phis; ++phi)
+    for (int theta = 0; theta < h.thetas; ++theta, in += nodes) {
+      for (size_t i = 0; i < nodes; ++i)
+        slice[i] = std::max(0.0f, in[i]);
+      fill_viewer(block, w, {phi, theta}, slice.data());
+    }
   return w;
+}
+
+/// Colours with the viewers' inclinations last.
+int32_t add_colors(Block& block, const std::vector<float>& rgb) {
+  const MeasuredHeader& h = block.header;
+  size_t nodes = size_t(h.luminance.nx) * size_t(h.luminance.ny), thetas = size_t(h.thetas);
+  check(rgb.size() >= 3 * nodes * thetas * size_t(h.phis),
+        "its colours are fewer than its luminance");
+  int32_t at = block.add(3 * nodes * thetas * size_t(h.phis));
+  const float* in = rgb.data();
+  for (size_t phi = 0; phi < size_t(h.phis); ++phi)
+    for (size_t theta = 0; theta < thetas; ++theta)
+      for (size_t n = 0; n < nodes; ++n, in += 3)
+        std::copy(in, in + 3, block.at(at) + 3 * ((phi * nodes + n) * thetas + theta));
+  return at;
 }
 
 } // namespace
@@ -464,14 +487,11 @@ HugeVector<float> measured_block(const RglTables& t) {
       h.phis == 1 ? 1 : static_cast<int32_t>(std::lround(2 * kPi / (t.phi_i.back() - t.phi_i[0])));
   check(h.sectors == 1 || h.sectors == 2 || h.sectors == 4,
         "its azimuths span neither the circle nor a half nor a quarter of it");
-  int slices = h.thetas * h.phis;
-  h.vndf = add_file_warp(block, t.vndf, t.vndf_size, slices);
-  h.luminance = add_file_warp(block, t.luminance, t.luminance_size, slices);
+  h.vndf = add_file_warp(block, t.vndf, t.vndf_size);
+  h.luminance = add_file_warp(block, t.luminance, t.luminance_size);
   h.ndf = add_plain(block, t.ndf, t.ndf_size);
   h.sigma = add_plain(block, t.sigma, t.sigma_size);
-  check(t.rgb.size() >= 3 * size_t(slices) * size_t(h.luminance.nx) * size_t(h.luminance.ny),
-        "its colours are fewer than its luminance");
-  h.rgb = block.add(t.rgb);
+  h.rgb = add_colors(block, t.rgb);
   h.jacobian = t.jacobian;
   return block.finish();
 }

@@ -38,23 +38,26 @@ struct MeasuredHeader {
   int32_t holes;  ///< whether cells are missing, as -1
   int32_t values; ///< red, green, blue side by side
 
-  /// A function of two numbers in [0, 1]^2 at ny rows of nx nodes, bilinear between them; a slice
-  /// of them for each viewer of the list, blended linearly.
+  /// A density over [0, 1]^2 at ny rows of nx nodes, bilinear between them, for each viewer, linear
+  /// between those. Viewers' inclinations are the last axis: neighbours lie side by side.
   struct Warp {
     int32_t nx, ny;
-    int32_t data;        ///< slices of [ny][nx], each with a mean of 1 / ((nx - 1) (ny - 1))
-    int32_t conditional; ///< sums along the rows, from 0
-    int32_t rows;        ///< [ny][2]: sum up to the row, sum of the row
+    int32_t data;        ///< [phi][ny][nx][theta]; the cells of a viewer sum to one
+    int32_t conditional; ///< the same, sums along the rows from 0
+    int32_t rows;        ///< [phi][ny][2][theta]: sum up to the row, sum of the row
   };
-  int32_t phis, thetas;           ///< viewers; one phi: isotropic
+  int32_t phis, thetas;           ///< viewers, at least two inclinations; one phi: isotropic
   int32_t phi_nodes, theta_nodes; ///< where they are
   int32_t sectors;                ///< phis span one of that many like parts of the circle
   Warp vndf, luminance;
   float cosine_share;
 
-  /// kind rgl: two functions with data only; rgb has three numbers a node, slices as luminance.
-  Warp ndf, sigma; ///< as they are, divided by (nx - 1) (ny - 1)
-  int32_t rgb;
+  /// kind rgl: two functions without viewers, and the colours at luminance's nodes.
+  struct Plain {
+    int32_t nx, ny, data;
+  };
+  Plain ndf, sigma;
+  int32_t rgb; ///< [phi][ny][nx][theta][3]
   int32_t jacobian;
 };
 static_assert(sizeof(MeasuredHeader) % sizeof(float) == 0);
@@ -107,24 +110,37 @@ template <class T> struct MeasuredInterval {
   }
 };
 
-/// The slices of a warp for a viewer, with their weights.
-template <class T> struct MeasuredSlices {
-  int count;
-  IntOf<T> index[4];
-  T weight[4];
+/// A viewer among those that a table knows: between two inclinations, and for anisotropic tables
+/// between two azimuths.
+template <class T> struct MeasuredViewer {
+  int phis; ///< 1 or 2
+  IntOf<T> phi[2];
+  T weight[2];
+  IntOf<T> theta; ///< and the next one
+  T fraction;
 };
 
-/// A Warp at a viewer's slices.
+/// A cell of nx times ny equidistant nodes over [0, 1]^2.
+template <class T> struct MeasuredCell {
+  IntOf<T> column, row;
+  T x, y; ///< where in it
+
+  FACETA_INLINE MeasuredCell(int nx, int ny, const Vec2<T>& u) {
+    T ix = clamp(floor(u.x * T(float(nx - 1))), T(0), T(float(nx - 2)));
+    T iy = clamp(floor(u.y * T(float(ny - 1))), T(0), T(float(ny - 2)));
+    x = fma(u.x, T(float(nx - 1)), -ix);
+    y = fma(u.y, T(float(ny - 1)), -iy);
+    column = to_int(ix);
+    row = to_int(iy);
+  }
+};
+
+/// A Warp as a viewer sees it.
 template <class T> class MeasuredWarp {
 public:
-  FACETA_INLINE MeasuredWarp(const float* base, const MeasuredHeader::Warp& warp,
-                             const MeasuredSlices<T>& slices)
-      : base_(base), w_(warp), slices_(slices) {
-    for (int k = 0; k < slices.count; ++k) {
-      start_[k] = slices.index[k] * IntOf<T>(w_.nx * w_.ny);
-      row_start_[k] = slices.index[k] * IntOf<T>(2 * w_.ny);
-    }
-  }
+  FACETA_INLINE MeasuredWarp(const float* base, const MeasuredHeader& header,
+                             const MeasuredHeader::Warp& warp, const MeasuredViewer<T>& viewer)
+      : base_(base), thetas_(header.thetas), w_(warp), viewer_(viewer) {}
 
   struct Point {
     Vec2<T> u;
@@ -133,19 +149,20 @@ public:
 
   /// The density at u.
   FACETA_INLINE T density(const Vec2<T>& u) const {
-    Cell c(w_, u);
-    Corners d = corners(c.index);
+    MeasuredCell<T> c(w_.nx, w_.ny, u);
+    Corners d = corners(node(c.row, c.column));
     return lerp(lerp(d.v00, d.v10, c.x), lerp(d.v01, d.v11, c.x), c.y) * scale();
   }
   /// The uniform numbers that sample() makes u of, and the density there.
   FACETA_INLINE Point invert(const Vec2<T>& u) const {
-    Cell c(w_, u);
-    Corners d = corners(c.index);
-    T before0 = at(w_.conditional, start_, c.index),
-      before1 = at(w_.conditional, start_, c.index + IntOf<T>(w_.nx));
+    MeasuredCell<T> c(w_.nx, w_.ny, u);
+    IntOf<T> first = node(c.row, c.column);
+    Corners d = corners(first);
+    T before = lerp(at(w_.conditional, nodes(), first),
+                    at(w_.conditional, nodes(), first + IntOf<T>(w_.nx)), c.y);
     Rows r = rows(c.row);
     T left = lerp(d.v00, d.v01, c.y), right = lerp(d.v10, d.v11, c.y);
-    T x = fma(c.x, fma(T(0.5) * c.x, right - left, left), lerp(before0, before1, c.y));
+    T x = fma(c.x, fma(T(0.5) * c.x, right - left, left), before);
     T total = lerp(r.sum0, r.sum1, c.y);
     x = select(total > T(0), x / max(total, T(kTiny)), T(0));
     T y = fma(c.y, fma(T(0.5) * c.y, r.sum1 - r.sum0, r.sum0), r.before);
@@ -154,16 +171,16 @@ public:
   /// A point with that density from uniform numbers: rows by u.y, then along them by u.x.
   FACETA_INLINE Point sample(const Vec2<T>& u) const {
     auto sum_before = [&](const IntOf<T>& j)
-                          FACETA_INLINE_LAMBDA { return at(w_.rows, row_start_, j + j); };
+                          FACETA_INLINE_LAMBDA { return at(w_.rows, 2 * w_.ny, j + j); };
     IntOf<T> row = search(w_.ny, u.y, sum_before);
     Rows r = rows(row);
     T y = solve(u.y - r.before, r.sum0, r.sum1);
     T x = u.x * lerp(r.sum0, r.sum1, y);
     IntOf<T> first = row * IntOf<T>(w_.nx);
     auto before = [&](const IntOf<T>& i) FACETA_INLINE_LAMBDA {
-      IntOf<T> cell = first + i;
-      return lerp(at(w_.conditional, start_, cell),
-                  at(w_.conditional, start_, cell + IntOf<T>(w_.nx)), y);
+      IntOf<T> n = first + i;
+      return lerp(at(w_.conditional, nodes(), n), at(w_.conditional, nodes(), n + IntOf<T>(w_.nx)),
+                  y);
     };
     IntOf<T> column = search(w_.nx, x, before);
     Corners d = corners(first + column);
@@ -177,26 +194,17 @@ public:
 private:
   static constexpr float kTiny = 1e-30f;
 
-  struct Cell {
-    IntOf<T> index, row;
-    T x, y;
-    FACETA_INLINE Cell(const MeasuredHeader::Warp& w, const Vec2<T>& u) {
-      T px = u.x * T(float(w.nx - 1)), py = u.y * T(float(w.ny - 1));
-      T ix = clamp(floor(px), T(0), T(float(w.nx - 2)));
-      T iy = clamp(floor(py), T(0), T(float(w.ny - 2)));
-      x = px - ix;
-      y = py - iy;
-      row = to_int(iy);
-      index = row * IntOf<T>(w.nx) + to_int(ix);
-    }
-  };
   struct Corners {
-    T v00{0}, v10{0}, v01{0}, v11{0};
+    T v00, v10, v01, v11;
   };
   struct Rows {
-    T before{0}, sum0{0}, sum1{0};
+    T before, sum0, sum1;
   };
 
+  int nodes() const { return w_.nx * w_.ny; }
+  FACETA_INLINE IntOf<T> node(const IntOf<T>& row, const IntOf<T>& column) const {
+    return row * IntOf<T>(w_.nx) + column;
+  }
   FACETA_INLINE T scale() const { return T(float((w_.nx - 1) * (w_.ny - 1))); }
   static FACETA_INLINE T to_number(const IntOf<T>& i) {
     if constexpr (kWidthOf<T> > 1)
@@ -204,36 +212,26 @@ private:
     else
       return T(i);
   }
-  FACETA_INLINE T at(int32_t offset, const IntOf<T> (&start)[4], const IntOf<T>& i) const {
-    T sum = slices_.weight[0] * gather<T>(base_ + offset, start[0] + i);
-    for (int k = 1; k < slices_.count; ++k)
-      sum = fma(slices_.weight[k], gather<T>(base_ + offset, start[k] + i), sum);
+  /// Number i of `count` that each viewer has.
+  FACETA_INLINE T at(int32_t offset, int count, const IntOf<T>& i) const {
+    T sum(0);
+    for (int k = 0; k < viewer_.phis; ++k) {
+      IntOf<T> n = viewer_.phis > 1 ? viewer_.phi[k] * IntOf<T>(count) + i : i;
+      Neighbours<T> ends = gather_pair<T>(base_ + offset, n * IntOf<T>(thetas_) + viewer_.theta);
+      T value = lerp(ends.first, ends.second, viewer_.fraction);
+      sum = viewer_.phis > 1 ? fma(viewer_.weight[k], value, sum) : value;
+    }
     return sum;
   }
-  FACETA_INLINE Corners corners(const IntOf<T>& cell) const {
-    Corners c;
-    for (int k = 0; k < slices_.count; ++k) {
-      Neighbours<T> low = gather_pair<T>(base_ + w_.data, start_[k] + cell);
-      Neighbours<T> high = gather_pair<T>(base_ + w_.data, start_[k] + cell + IntOf<T>(w_.nx));
-      const T& w = slices_.weight[k];
-      c.v00 = fma(w, low.first, c.v00);
-      c.v10 = fma(w, low.second, c.v10);
-      c.v01 = fma(w, high.first, c.v01);
-      c.v11 = fma(w, high.second, c.v11);
-    }
-    return c;
+  FACETA_INLINE Corners corners(const IntOf<T>& n) const {
+    auto corner = [&](int k) FACETA_INLINE_LAMBDA { return at(w_.data, nodes(), n + IntOf<T>(k)); };
+    return {corner(0), corner(1), corner(w_.nx), corner(w_.nx + 1)};
   }
   FACETA_INLINE Rows rows(const IntOf<T>& row) const {
-    Rows r;
-    for (int k = 0; k < slices_.count; ++k) {
-      IntOf<T> i = row_start_[k] + row + row;
-      Neighbours<T> low = gather_pair<T>(base_ + w_.rows, i);
-      const T& w = slices_.weight[k];
-      r.before = fma(w, low.first, r.before);
-      r.sum0 = fma(w, low.second, r.sum0);
-      r.sum1 = fma(w, gather<T>(base_ + w_.rows, i + IntOf<T>(3)), r.sum1);
-    }
-    return r;
+    auto number = [&](int k) FACETA_INLINE_LAMBDA {
+      return at(w_.rows, 2 * w_.ny, row + row + IntOf<T>(k));
+    };
+    return {number(0), number(1), number(3)};
   }
   /// The last of the first n - 1 places whose sum is below x.
   template <class F> static FACETA_INLINE IntOf<T> search(int n, const T& x, const F& sum_before) {
@@ -255,9 +253,9 @@ private:
   }
 
   const float* base_;
+  int thetas_;
   const MeasuredHeader::Warp& w_;
-  const MeasuredSlices<T>& slices_;
-  IntOf<T> start_[4], row_start_[4];
+  const MeasuredViewer<T>& viewer_;
 };
 
 /// The block, read for lanes of directions.
@@ -273,14 +271,12 @@ public:
     wo = mirrored(wo, signs);
     wi = mirrored(wi, signs);
     Half half(wo, wi);
-    MeasuredSlices<T> slices = viewer_slices(wo);
-    MeasuredWarp<T> normals(base_, h_.vndf, slices);
-    Vec2<T> u = half.square(isotropic_azimuth(wo));
-    auto warped = normals.invert(u);
-    MeasuredWarp<T> light(base_, h_.luminance, slices);
-    T pdf = warped.density * light.density(warped.u) / jacobian(half, u);
+    MeasuredViewer<T> viewer = find_viewer(wo);
+    Vec2<T> u = half.square(h_.phis == 1 ? azimuth(wo) : Vec2<T>{T(1), T(0)});
+    auto warped = warp(h_.vndf, viewer).invert(u);
+    T pdf = warped.density * warp(h_.luminance, viewer).density(warped.u) / jacobian(half, u);
     Eval<T> e;
-    e.value = h_.kind == MeasuredKind::rgl ? rgl_value(wo, u, warped.u, slices)
+    e.value = h_.kind == MeasuredKind::rgl ? rgl_value(wo, u, warped.u, viewer)
                                            : grid_value(wo, wi, half) * wi.z;
     T share(h_.cosine_share);
     e.pdf = fma(T(1) - share, pdf, share * T(kInvPi) * wi.z);
@@ -292,22 +288,30 @@ public:
     return grid_value(wo, wi, Half(wo, wi)) * wi.z;
   }
 
-  /// A direction above or below the surface; the caller refuses the latter.
-  FACETA_INLINE Vec3<T> sample(Vec3<T> wo, const Random<T>& random) const {
-    Vec2<T> signs = sector(wo);
-    wo = mirrored(wo, signs);
-    MeasuredSlices<T> slices = viewer_slices(wo);
+  /// A direction, with its value and density if it lies above the surface.
+  FACETA_INLINE Vec3<T> sample(const Vec3<T>& viewer_direction, const Random<T>& random,
+                               Eval<T>& e) const {
+    Vec2<T> signs = sector(viewer_direction);
+    Vec3<T> wo = mirrored(viewer_direction, signs);
+    MeasuredViewer<T> viewer = find_viewer(wo);
     // Luminance by the numbers in this order, as in the paper's own implementation.
-    Vec2<T> s = MeasuredWarp<T>(base_, h_.luminance, slices).sample({random.u.y, random.u.x}).u;
-    Vec2<T> u = MeasuredWarp<T>(base_, h_.vndf, slices).sample(s).u;
-    SinCos<T> theta = sincos(sqr(u.x) * T(0.5 * kPi));
-    SinCos<T> phi = sincos(fma(T(2), u.y, T(-1)) * T(kPi));
+    auto light = warp(h_.luminance, viewer).sample({random.u.y, random.u.x});
+    auto normal = warp(h_.vndf, viewer).sample(light.u);
+    SinCos<T> theta = sincos(sqr(normal.u.x) * T(0.5 * kPi));
+    SinCos<T> phi = sincos(fma(T(2), normal.u.y, T(-1)) * T(kPi));
     Vec3<T> m{theta.sin * phi.cos, theta.sin * phi.sin, theta.cos};
     if (h_.phis == 1)
       m = turned(m, azimuth(wo));
     Vec3<T> wi = mirrored(reflect(wo, m), signs);
-    if (h_.cosine_share > 0)
-      wi = select(random.uc < T(h_.cosine_share), cosine_hemisphere(random.u), wi);
+    if (h_.kind == MeasuredKind::rgl) {
+      Half half(wo, mirrored(wi, signs));
+      e.value = rgl_value(wo, normal.u, light.u, viewer);
+      e.pdf = light.density * normal.density / jacobian(half, normal.u);
+      return wi;
+    }
+    wi = select(random.uc < T(h_.cosine_share), cosine_hemisphere(random.u), wi);
+    auto above = wi.z > T(0);
+    e = eval(viewer_direction, select(above, wi, Vec3<T>{T(0), T(0), T(1)}));
     return wi;
   }
 
@@ -361,62 +365,67 @@ private:
     }
   };
 
-  FACETA_INLINE Vec2<T> isotropic_azimuth(const Vec3<T>& wo) const {
-    return h_.phis == 1 ? azimuth(wo) : Vec2<T>{T(1), T(0)};
-  }
   /// Solid angle of wi for an area of the square of normals.
   static FACETA_INLINE T jacobian(const Half& half, const Vec2<T>& u) {
     T sine = sqrt(sin_theta_squared(half.m));
     return max(T(2 * kPi * kPi) * u.x * sine, T(1e-6)) * (T(4) * half.cosine);
   }
 
-  FACETA_INLINE MeasuredSlices<T> viewer_slices(const Vec3<T>& wo) const {
+  FACETA_INLINE MeasuredViewer<T> find_viewer(const Vec3<T>& wo) const {
     MeasuredInterval<T> theta(base_ + h_.theta_nodes, h_.thetas, inclination(wo));
-    MeasuredSlices<T> s;
-    s.count = 2;
-    s.index[0] = theta.index;
-    s.index[1] = theta.index + IntOf<T>(1);
-    s.weight[0] = T(1) - theta.fraction;
-    s.weight[1] = theta.fraction;
-    if (h_.phis == 1)
-      return s;
-    MeasuredInterval<T> phi(base_ + h_.phi_nodes, h_.phis, angle(wo.y, wo.x));
-    s.count = 4;
-    for (int k = 3; k >= 0; --k) {
-      const T& w = s.weight[k & 1];
-      s.weight[k] = w * (k < 2 ? T(1) - phi.fraction : phi.fraction);
-      s.index[k] = s.index[k & 1] + (phi.index + IntOf<T>(k / 2)) * IntOf<T>(h_.thetas);
+    MeasuredViewer<T> v;
+    v.theta = theta.index;
+    v.fraction = theta.fraction;
+    v.phis = h_.phis > 1 ? 2 : 1;
+    v.phi[0] = v.phi[1] = IntOf<T>(0);
+    v.weight[0] = v.weight[1] = T(1);
+    if (h_.phis > 1) {
+      MeasuredInterval<T> phi(base_ + h_.phi_nodes, h_.phis, angle(wo.y, wo.x));
+      v.phi[0] = phi.index;
+      v.phi[1] = phi.index + IntOf<T>(1);
+      v.weight[0] = T(1) - phi.fraction;
+      v.weight[1] = phi.fraction;
     }
-    return s;
+    return v;
+  }
+  FACETA_INLINE MeasuredWarp<T> warp(const MeasuredHeader::Warp& w,
+                                     const MeasuredViewer<T>& viewer) const {
+    return {base_, h_, w, viewer};
+  }
+  FACETA_INLINE T plain(const MeasuredHeader::Plain& p, const Vec2<T>& u) const {
+    MeasuredCell<T> c(p.nx, p.ny, u);
+    IntOf<T> n = c.row * IntOf<T>(p.nx) + c.column;
+    Neighbours<T> low = gather_pair<T>(base_ + p.data, n);
+    Neighbours<T> high = gather_pair<T>(base_ + p.data, n + IntOf<T>(p.nx));
+    return lerp(lerp(low.first, low.second, c.x), lerp(high.first, high.second, c.x), c.y);
   }
 
   /// Dupuy and Jakob 2018, eq. 3 with the values in the square of luminance.
   FACETA_INLINE Color<T> rgl_value(const Vec3<T>& wo, const Vec2<T>& normal, const Vec2<T>& light,
-                                   const MeasuredSlices<T>& slices) const {
+                                   const MeasuredViewer<T>& viewer) const {
     const MeasuredHeader::Warp& w = h_.luminance;
-    T px = light.x * T(float(w.nx - 1)), py = light.y * T(float(w.ny - 1));
-    T ix = clamp(floor(px), T(0), T(float(w.nx - 2)));
-    T iy = clamp(floor(py), T(0), T(float(w.ny - 2)));
-    T x = px - ix, y = py - iy;
-    IntOf<T> cell = to_int(iy) * IntOf<T>(w.nx) + to_int(ix);
+    MeasuredCell<T> c(w.nx, w.ny, light);
+    IntOf<T> first = c.row * IntOf<T>(w.nx) + c.column;
     MeasuredRgb<T> sum;
-    for (int k = 0; k < slices.count; ++k) {
-      IntOf<T> at = (slices.index[k] * IntOf<T>(w.nx * w.ny) + cell) * IntOf<T>(3);
-      MeasuredRgbPair<T> low(base_ + h_.rgb, at);
-      MeasuredRgbPair<T> high(base_ + h_.rgb, at + IntOf<T>(3 * w.nx));
-      T near = slices.weight[k] * (T(1) - y), far = slices.weight[k] * y;
-      sum.add(near * (T(1) - x), low.first);
-      sum.add(near * x, low.second);
-      sum.add(far * (T(1) - x), high.first);
-      sum.add(far * x, high.second);
-    }
+    for (int k = 0; k < viewer.phis; ++k)
+      for (int corner = 0; corner < 4; ++corner) {
+        IntOf<T> n = first + IntOf<T>((corner & 1) + (corner >> 1) * w.nx);
+        if (viewer.phis > 1)
+          n = n + viewer.phi[k] * IntOf<T>(w.nx * w.ny);
+        IntOf<T> at = n * IntOf<T>(h_.thetas) + viewer.theta;
+        MeasuredRgbPair<T> ends(base_ + h_.rgb, at * IntOf<T>(3));
+        T weight = (corner & 1 ? c.x : T(1) - c.x) * (corner >> 1 ? c.y : T(1) - c.y);
+        if (viewer.phis > 1)
+          weight = weight * viewer.weight[k];
+        T second = weight * viewer.fraction;
+        sum.add(weight - second, ends.first);
+        sum.add(second, ends.second);
+      }
     T factor(1);
     if (h_.jacobian) {
-      MeasuredSlices<T> one{1, {IntOf<T>(0)}, {T(1)}};
       T phi = fma(angle(wo.y, wo.x), T(kInvTwoPi), T(0.5));
-      Vec2<T> viewer{sqrt(inclination(wo) * T(2 * kInvPi)), phi};
-      T sigma = MeasuredWarp<T>(base_, h_.sigma, one).density(viewer);
-      factor = MeasuredWarp<T>(base_, h_.ndf, one).density(normal) / (T(4) * sigma);
+      T sigma = plain(h_.sigma, {sqrt(inclination(wo) * T(2 * kInvPi)), phi});
+      factor = plain(h_.ndf, normal) / (T(4) * sigma);
     }
     return sum.color().map([&](const T& v) { return max(v, T(0)) * factor; });
   }

@@ -56,13 +56,15 @@ template <class T> struct Measured {
   }
 
   FACETA_INLINE Sample<T> sample(const Vec3<T>& wo, const Random<T>& random,
-                                 const Context<T>& context) const {
+                                 const Context<T>&) const {
     auto above = wo.z > T(0);
     Sample<T> s;
-    s.wi = MeasuredTable<T>(table).sample(select(above, wo, Vec3<T>{T(0), T(0), T(1)}), random);
+    Eval<T> e;
+    s.wi = MeasuredTable<T>(table).sample(select(above, wo, Vec3<T>{T(0), T(0), T(1)}), random, e);
     s.lobe = kReflection;
     s.valid = above & (s.wi.z > T(0));
-    finish_sample(s, eval(wo, s.wi, context));
+    e.value = tint * e.value * scale;
+    finish_sample(s, e);
     return s;
   }
 };
