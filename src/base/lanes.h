@@ -311,6 +311,7 @@ template <> struct Memory<Lanes> {
 #if FACETA_LANE_WIDTH >= 8
     alignas(64) int32_t at[FACETA_LANE_WIDTH];
     hn::Store(index.v, LaneIntTag(), at);
+    asm("" : "+m"(at)); // indices are read back from memory: extracting them costs shuffles
     auto two = [&](int i) FACETA_INLINE_LAMBDA {
       auto at_pair = [&](int k) { return reinterpret_cast<const __m128i*>(base + at[k]); };
       return _mm_unpacklo_epi64(_mm_loadl_epi64(at_pair(i)), _mm_loadl_epi64(at_pair(i + 1)));

@@ -44,6 +44,7 @@ public:
     std::copy(values.begin(), values.end(), values_.begin() + at);
     return at;
   }
+  int32_t size() const { return static_cast<int32_t>(values_.size()); }
   float* at(int32_t offset) { return values_.data() + offset; }
   const float* data() {
     std::memcpy(values_.data(), &header, sizeof header);
@@ -239,6 +240,8 @@ void fill_gaps(std::vector<double>& retro) {
     retro.assign(retro.size(), 1.0);
 }
 
+constexpr int kInclinations = 128; ///< of isotropic normals
+
 NormalDensity anisotropic_normals(const MeasuredTable<double>& table) {
   NormalDensity d{40, 36, {}};
   std::vector<Vec3<double>> directions;
@@ -269,65 +272,136 @@ NormalDensity anisotropic_normals(const MeasuredTable<double>& table) {
   return d;
 }
 
-NormalDensity isotropic_normals(const MeasuredTable<double>& table, int n) {
+NormalDensity isotropic_normals(const MeasuredTable<double>& table) {
   std::vector<double> retro;
-  for (int k = 0; k < n; ++k) {
-    Vec3<double> o = direction(inclination_of((k + 0.5) / n), 0);
+  for (int k = 0; k < kInclinations; ++k) {
+    Vec3<double> o = direction(inclination_of((k + 0.5) / kInclinations), 0);
     retro.push_back(brightness(table.grid_value(o, o)));
   }
-  return {n, 1, normals_of_retroreflection(retro)};
+  return {kInclinations, 1, normals_of_retroreflection(retro)};
 }
 
-/// Viewers' inclinations: denser towards the horizon, where the share of what is reflected changes.
-const std::vector<double>& viewer_inclinations() {
-  static const std::vector<double> angles = [] {
-    std::vector<double> list;
-    for (double degrees :
-         {0.0, 14.0, 27.0, 38.0, 48.0, 56.0, 63.0, 69.0, 74.0, 78.0, 81.5, 84.5, 87.0, 90.0})
-      list.push_back(degrees * kPi / 180);
+/// Normals by what they mirror: the mean over viewers of 4 f cos_i, which visible normals would
+/// have to follow. For tables whose mirror peak is not seen in what they reflect back.
+NormalDensity mirroring_normals(const MeasuredTable<double>& table) {
+  constexpr int kAround = 12;
+  NormalDensity d{kInclinations, 1, std::vector<double>(kInclinations)};
+  for (double viewer : {0.1, 0.35, 0.6, 0.85, 1.1, 1.3}) {
+    Vec3<double> wo = direction(viewer, 0);
+    std::vector<double> seen(kInclinations);
+    double total = 0;
+    for (int k = 0; k < kInclinations; ++k) {
+      double theta = inclination_of((k + 0.5) / kInclinations);
+      for (int j = 0; j < kAround; ++j) {
+        Vec3<double> m = direction(theta, 2 * kPi * (j + 0.5) / kAround), wi = reflect(wo, m);
+        if (dot(wo, m) > 0 && wi.z > 0)
+          seen[size_t(k)] += brightness(table.grid_value(wo, wi)) / kAround;
+      }
+      total += seen[size_t(k)] * (k + 0.5) * std::sin(theta);
+    }
+    for (int k = 0; k < kInclinations && total > 0; ++k)
+      d.values[size_t(k)] += seen[size_t(k)] / total;
+  }
+  fill_gaps(d.values);
+  return d;
+}
+
+/// Viewers' inclinations: those of the table if it has them, as it is linear in between; else
+/// denser towards the horizon, where the share of what is mirrored changes.
+std::vector<float> viewer_inclinations(const MeasuredGrid& grid) {
+  using C = MeasuredCoordinates;
+  const MeasuredAxis* axis = nullptr;
+  if (grid.coordinates == C::relative)
+    axis = &grid.axes[1];
+  if (axis && !axis->square_root && axis->nodes.size() >= 12 && axis->nodes.size() <= 64) {
+    std::vector<float> list(axis->nodes.begin(), axis->nodes.end());
+    if (list.front() > 0)
+      list.insert(list.begin(), 0);
+    if (list.back() < float(0.5 * kPi))
+      list.push_back(float(0.5 * kPi));
     return list;
-  }();
-  return angles;
+  }
+  std::vector<float> list;
+  for (double degrees :
+       {0.0, 14.0, 27.0, 38.0, 48.0, 56.0, 63.0, 69.0, 74.0, 78.0, 81.5, 84.5, 87.0, 90.0})
+    list.push_back(static_cast<float>(degrees * kPi / 180));
+  return list;
 }
 
 class SamplerBuilder {
 public:
-  SamplerBuilder(Block& block, const MeasuredResolution& resolution, bool isotropic)
-      : block_(block), resolution_(resolution), isotropic_(isotropic) {}
-
-  void build() {
-    MeasuredHeader& h = block_.header;
-    std::vector<float> theta, phi{0};
-    for (double angle : viewer_inclinations())
-      theta.push_back(static_cast<float>(angle));
-    int side = resolution_.normals;
+  SamplerBuilder(Block& block, const MeasuredGrid& grid)
+      : block_(block), isotropic_(grid.axes.size() == 3), theta_(viewer_inclinations(grid)),
+        phi_{0} {
     if (!isotropic_) {
-      phi.clear();
-      for (int k = 0; k <= resolution_.azimuths; ++k)
-        phi.push_back(static_cast<float>(2 * kPi * k / resolution_.azimuths - kPi));
-      side /= 2;
+      phi_.clear();
+      for (int k = 0; k <= kAzimuths; ++k)
+        phi_.push_back(static_cast<float>(2 * kPi * k / kAzimuths - kPi));
     }
-    h.thetas = static_cast<int32_t>(theta.size());
-    h.phis = static_cast<int32_t>(phi.size());
-    h.theta_nodes = block_.add(theta);
-    h.phi_nodes = block_.add(phi);
+    MeasuredHeader& h = block.header;
+    h.thetas = static_cast<int32_t>(theta_.size());
+    h.phis = static_cast<int32_t>(phi_.size());
+    h.theta_nodes = block.add(theta_);
+    h.phi_nodes = block.add(phi_);
     h.sectors = 1;
-    h.cosine_share = static_cast<float>(resolution_.cosine);
-    h.vndf = add_warp(block_, side, side);
-    h.luminance = add_warp(block_, resolution_.luminance, resolution_.luminance);
+    h.cosine_share = 0.05f;
+    // Around the normal visible normals change slowly unless the surface is anisotropic.
+    h.vndf = isotropic_ ? add_warp(block, 128, 32) : add_warp(block, 64, 64);
+    h.luminance = add_warp(block, 32, 32);
+  }
+
+  /// Fills the warps: of several guesses at the normals those that sample best.
+  void build() {
     MeasuredTable<double> table(block_.data());
-    NormalDensity normals =
-        isotropic_ ? isotropic_normals(table, side) : anisotropic_normals(table);
+    if (!isotropic_)
+      return fill(table, anisotropic_normals(table));
+    NormalDensity guesses[] = {isotropic_normals(table), mirroring_normals(table)};
+    fill(table, guesses[0]);
+    double variance = weight_variance(table);
+    const float* warps = block_.at(block_.header.vndf.data); // the last that was added
+    std::vector<float> first(warps, warps + block_.size() - block_.header.vndf.data);
+    fill(table, guesses[1]);
+    if (variance < weight_variance(table))
+      std::copy(first.begin(), first.end(), block_.at(block_.header.vndf.data));
+  }
+
+private:
+  static constexpr int kAzimuths = 16;
+
+  void fill(const MeasuredTable<double>& table, const NormalDensity& normals) {
+    const MeasuredHeader& h = block_.header;
     tbb::parallel_for(0, h.thetas * h.phis, [&](int k) {
       Viewer viewer{k / h.thetas, k % h.thetas};
-      double inclination = std::min<double>(theta[size_t(viewer.theta)], 0.5 * kPi - 1e-3);
-      Vec3<double> wo = direction(inclination, phi[size_t(viewer.phi)]);
+      double inclination = std::min<double>(theta_[size_t(viewer.theta)], 0.5 * kPi - 1e-3);
+      Vec3<double> wo = direction(inclination, phi_[size_t(viewer.phi)]);
       fill_normals(normals, viewer, wo);
       fill_luminance(table, viewer, wo);
     });
   }
 
-private:
+  /// Mean over viewers of the relative variance of a sample's brightness.
+  static double weight_variance(const MeasuredTable<double>& table) {
+    constexpr int kViewers = 12, kSide = 24;
+    double sum = 0;
+    for (int k = 0; k < kViewers; ++k) {
+      Vec3<double> wo = direction((k + 0.37) / kViewers * 1.4, 0);
+      double first = 0, second = 0;
+      for (int i = 0; i < kSide * kSide; ++i) {
+        double share = i * 0.6180339887498949;
+        Random<double> random{{(i % kSide + 0.5) / kSide, (i / kSide + 0.5) / kSide},
+                              share - std::floor(share)};
+        Eval<double> e;
+        Vec3<double> wi = table.sample(wo, random, e);
+        double weight = wi.z > 0 && e.pdf > 0 ? brightness(e.value) / e.pdf : 0;
+        first += weight;
+        second += weight * weight;
+      }
+      if (first > 0)
+        sum += second * kSide * kSide / sqr(first) - 1;
+    }
+    return sum / kViewers;
+  }
+
   /// D(m) max(0, wo.m) over the square.
   void fill_normals(const NormalDensity& normals, Viewer viewer, const Vec3<double>& wo) {
     const Warp& w = block_.header.vndf;
@@ -343,7 +417,7 @@ private:
   }
 
   /// What is reflected to the viewer, over the density of the visible normals: at the nodes the
-  /// mean of the points around them.
+  /// root of the mean square of the points around them, which gives the least variance.
   void fill_luminance(const MeasuredTable<double>& table, Viewer viewer, const Vec3<double>& wo) {
     const Warp& w = block_.header.luminance;
     const MeasuredHeader& h = block_.header;
@@ -351,7 +425,7 @@ private:
     MeasuredViewer<double> place{
         h.phis > 1 ? 2 : 1, {viewer.phi, viewer.phi}, {1, 0}, below, double(viewer.theta - below)};
     MeasuredWarp<double> normals(block_.at(0), h, h.vndf, place);
-    int points = resolution_.subsamples * (w.nx - 1);
+    int points = (isotropic_ ? 3 : 2) * (w.nx - 1);
     std::vector<double> sums(size_t(w.nx) * size_t(w.ny)), weights(sums.size());
     for (int j = 0; j < points; ++j)
       for (int i = 0; i < points; ++i) {
@@ -368,7 +442,7 @@ private:
         deposit(w, s, value, sums, weights);
       }
     for (size_t k = 0; k < sums.size(); ++k)
-      sums[k] = std::max(0.0, sums[k] / weights[k]);
+      sums[k] = std::sqrt(std::max(0.0, sums[k] / weights[k]));
     fill_viewer(block_, w, viewer, sums.data());
   }
   static void deposit(const Warp& w, const Vec2<double>& s, double value, std::vector<double>& sums,
@@ -379,14 +453,14 @@ private:
       int dx = corner & 1, dy = corner >> 1;
       double weight = (dx ? x - i : 1 - (x - i)) * (dy ? y - j : 1 - (y - j));
       size_t k = size_t(j + dy) * size_t(w.nx) + size_t(i + dx);
-      sums[k] += weight * value;
+      sums[k] += weight * sqr(value);
       weights[k] += weight;
     }
   }
 
   Block& block_;
-  const MeasuredResolution& resolution_;
   bool isotropic_;
+  std::vector<float> theta_, phi_; ///< viewers
 };
 
 // --- The adaptive parametrisation ---
@@ -460,7 +534,7 @@ std::vector<double> normals_of_retroreflection(const std::vector<double>& given)
   return normals;
 }
 
-HugeVector<float> measured_block(const MeasuredGrid& grid, const MeasuredResolution& resolution) {
+HugeVector<float> measured_block(const MeasuredGrid& grid) {
   Block block;
   MeasuredHeader& h = block.header;
   h.kind = MeasuredKind::grid;
@@ -470,7 +544,7 @@ HugeVector<float> measured_block(const MeasuredGrid& grid, const MeasuredResolut
   for (int k = 0; k < h.axes; ++k)
     h.axis[k] = add_axis(block, grid.axes[size_t(k)]);
   add_values(block, grid);
-  SamplerBuilder(block, resolution, h.axes == 3).build();
+  SamplerBuilder(block, grid).build();
   return block.finish();
 }
 
