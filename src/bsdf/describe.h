@@ -90,6 +90,7 @@ struct ParamInfo {
   std::string excludes; ///< comma-separated parameters that may not be given beside this one
   /// The scene contract clamps instead of refusing (alpha below 1e-4).
   bool clamps_low = false;
+  bool reads_file = false; ///< says how the file is read; not every file goes with every value
 };
 
 using Settings = std::vector<std::pair<std::string, std::string>>;
@@ -131,7 +132,7 @@ struct Traits {
   bool reciprocal = true;       ///< f(wo, wi) = f(wi, wo), with eta^2 across an interface
   double albedo_bound = 1.0;    ///< largest albedo of any parameter set
   bool two_sided = false;       ///< scatters for wo below the surface as well
-  bool of_angles = false;       ///< a function of angles, known to 2^-23 near the horizon too
+  bool tabulated = false;       ///< interpolated in a table: see ulp_sensitivity() in verify/
 };
 
 /// The whole description of a model.
@@ -195,6 +196,7 @@ template <class D> struct DescribeIgnoringTexts {
     return self();
   }
   FACETA_INLINE D& metal(const char*, const char*, const char*) { return self(); }
+  FACETA_INLINE D& reads_file() { return self(); }
 };
 
 /// Builds the Descriptor of M (a model over double).
@@ -324,14 +326,19 @@ public:
     descriptor.params.push_back(p);
     return *this;
   }
-  /// A file that the parameters load (file_tables.h); one at most in a model, which has no tables of
-  /// its own then.
+  /// A file that the parameters load (file_tables.h); one at most in a model, which has no tables
+  /// of its own then.
   auto& file(const char* name, const float* M::*, const char* doc) {
     ParamInfo p;
     p.name = name;
     p.doc = doc;
     p.kind = ParamKind::file;
     descriptor.params.push_back(p);
+    return *this;
+  }
+  /// The parameter before says how the file is read.
+  auto& reads_file() {
+    descriptor.params.back().reads_file = true;
     return *this;
   }
   auto& derived(T M::*) {

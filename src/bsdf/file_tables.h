@@ -25,8 +25,8 @@ struct FileTables {
 using FileLoader = std::shared_ptr<const FileTables> (*)(const Parameters& parameters,
                                                          const SourcePosition& where);
 
-/// Says how files are loaded: the room formats/ knows (measured_loader.h). Until then materials with
-/// files are an Error.
+/// Says how files are loaded: the room formats/ knows (measured_loader.h). Until then materials
+/// with files are an Error.
 void set_file_loader(FileLoader loader);
 
 } // namespace faceta

@@ -146,6 +146,8 @@ struct MeasuredOptions {
   std::string utia_color = "scaled_srgb"; ///< "scaled_srgb", "srgb" or "linear"
   int index = 1;                          ///< which material of a file of several, from 1
   double wavelength = -1;                 ///< nm: only this one, as grey; negative: all
+
+  friend bool operator==(const MeasuredOptions&, const MeasuredOptions&) = default;
 };
 
 } // namespace faceta

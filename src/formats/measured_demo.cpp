@@ -150,8 +150,9 @@ MeasuredFile measured_demo(const std::string& name, const MeasuredOptions& optio
       demo = &d;
   if (!demo)
     throw Error("there is no demonstration of that name", {name}, suggestion(name, demo_names()));
-  if (options.format != "auto")
-    throw Error("a demonstration is of no format", {name}, "leave 'format' out");
+  if (options != MeasuredOptions{})
+    throw Error("a demonstration is read in one way only", {name},
+                "leave out what says how files are read");
   MeasuredFile file;
   MeasuredGrid grid = demo->grid;
   tabulate(make_parameters(demo->model, demo->settings), grid);

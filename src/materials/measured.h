@@ -32,18 +32,23 @@ template <class T> struct Measured {
                 {"auto", "merl", "rgl", "pbsdf", "utia", "ngan", "mbsdf", "cornell", "astm",
                  "zemax", "lighttools", "alta", "klems", "tensortree", "curet", "csv"},
                 "what the file must be")
+        .reads_file()
         .choice("merl_nodes", &M::merl_nodes, {"centers", "edges"},
                 "where in a cell of a MERL file its value lies")
+        .reads_file()
         .choice("utia_color", &M::utia_color, {"scaled_srgb", "srgb", "linear"},
                 "what the numbers of a UTIA file are: sRGB times 140, sRGB or linear")
+        .reads_file()
         .number("index", &M::index, {1, 1e6}, {1, 3}, "",
                 "which material of a file that holds several")
+        .reads_file()
         .number("wavelength", &M::wavelength, {-kInfinity, kInfinity}, {400, 700}, "nm",
                 "of a file of spectra only this one, as grey; negative: all, as colour")
+        .reads_file()
         .traits({.lobes = kReflection,
                  .reciprocal = false,
                  .albedo_bound = kInfinity,
-                 .of_angles = true})
+                 .tabulated = true})
         .exemplar("default", {{"filename", "demo:plastic"}});
   }
 

@@ -9,6 +9,9 @@ namespace faceta {
 
 namespace {
 
+// What is too dark for its digits to matter: 1e-9 of a white surface.
+constexpr double kBlack = 3e-10;
+
 Vec3<float> random_direction(RandomStream& random) {
   double z = 1 - 2 * random.next(), phi = 2 * kPi * random.next();
   if (random.next() < 0.1)
@@ -201,11 +204,6 @@ Outcome check_lanes(const Subject& subject, Effort effort, double) {
   return outcome;
 }
 
-namespace {
-// What is too dark for its digits to matter: 1e-9 of a white surface.
-constexpr double kBlack = 3e-10;
-} // namespace
-
 Outcome check_precision(const Subject& subject, Effort effort, double) {
   Outcome outcome;
   int n = effort == Effort::quick ? 4096 : 32768;
@@ -245,7 +243,7 @@ void compare_channels(const ReferenceWide& wide, const Color<double>& color, dou
                       double tolerance, const std::string& where, Outcome& outcome) {
   for (int k = 0; k < 7; ++k) {
     double a = k < 6 ? wide.color[k] : wide.pdf, b = k < 6 ? color[k % 3] : pdf;
-    double error = std::abs(a - b) / std::max(std::abs(b), 1e-20);
+    double error = std::abs(a - b) / std::max(std::abs(b), kBlack);
     outcome.figure = std::max(outcome.figure, error / tolerance);
     if (!(error <= tolerance))
       outcome.fail(fmt::format("{}: {} {} is {:.12g} with three channels, {:.12g} with six", where,

@@ -15,6 +15,8 @@ namespace {
 std::vector<std::string> values_to_try(const ParamInfo& p) {
   if (p.kind == ParamKind::metal)
     return {"Au", "Ag", "Al", "none"};
+  if (p.kind == ParamKind::file)
+    return {"demo:plastic", "demo:metal"};
   if (!p.choices.empty())
     return p.choices;
   std::vector<std::string> values;
@@ -60,6 +62,7 @@ bool same_prints(const std::vector<float>& a, const std::vector<float>& b) {
 bool matters(const Model& model, const ParamInfo& p) {
   for (const Exemplar& exemplar : model.descriptor.exemplars) {
     std::vector<float> first;
+    bool refused = false;
     for (const std::string& value : values_to_try(p)) {
       try {
         std::vector<float> print = fingerprint(Subject(model, changed(model, exemplar, p, value)));
@@ -69,9 +72,11 @@ bool matters(const Model& model, const ParamInfo& p) {
           return true;
       } catch (const Error&) {
         // Not every value goes with every exemplar (equal indices, a name that excludes others).
-        continue;
+        refused = true;
       }
     }
+    if (p.reads_file && refused && !first.empty())
+      return true;
   }
   return false;
 }
@@ -81,6 +86,8 @@ void check_refusal(const Model& model, const ParamInfo& p, const std::string& te
   try {
     Parameters parameters(model);
     parameters.set(p.name, text);
+    if (p.kind == ParamKind::file)
+      parameters.load_file();
   } catch (const Error& e) {
     if (std::string(e.what()).find(p.name) == std::string::npos && p.kind != ParamKind::metal &&
         p.kind != ParamKind::ior)
@@ -134,7 +141,8 @@ Parameters through_text(const Parameters& p) {
 Parameters with_random_numbers(const Parameters& given, RandomStream& random) {
   Parameters p = given;
   for (const ParamInfo& info : p.descriptor().params) {
-    bool clash = info.slot < 0 || lists(info.excludes, "eta") || !p.given_name(info.name).empty();
+    bool clash = info.slot < 0 || info.reads_file || lists(info.excludes, "eta") ||
+                 !p.given_name(info.name).empty();
     for (const ParamInfo& other : p.descriptor().params)
       clash = clash || (p.was_set(other.name) &&
                         (lists(info.excludes, other.name) || lists(other.excludes, info.name)));
