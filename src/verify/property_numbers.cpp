@@ -243,7 +243,7 @@ void compare_channels(const ReferenceWide& wide, const Color<double>& color, dou
                       double tolerance, const std::string& where, Outcome& outcome) {
   for (int k = 0; k < 7; ++k) {
     double a = k < 6 ? wide.color[k] : wide.pdf, b = k < 6 ? color[k % 3] : pdf;
-    double error = std::abs(a - b) / std::max(std::abs(b), kBlack);
+    double error = std::abs(a - b) / std::max(std::abs(b), 1e-8);
     outcome.figure = std::max(outcome.figure, error / tolerance);
     if (!(error <= tolerance))
       outcome.fail(fmt::format("{}: {} {} is {:.12g} with three channels, {:.12g} with six", where,
