@@ -26,7 +26,7 @@ using FileLoader = std::shared_ptr<const FileTables> (*)(const Parameters& param
                                                          const SourcePosition& where);
 
 /// Says how files are loaded: the room formats/ knows (measured_loader.h). Until then materials
-/// with files are an Error.
-void set_file_loader(FileLoader loader);
+/// with files are an Error. Returns the one before, or null.
+FileLoader set_file_loader(FileLoader loader);
 
 } // namespace faceta

@@ -55,8 +55,8 @@ std::vector<std::string> split_names(const std::string& list) {
 
 } // namespace
 
-void set_file_loader(FileLoader loader) {
-  file_loader = loader;
+FileLoader set_file_loader(FileLoader loader) {
+  return file_loader.exchange(loader);
 }
 
 Parameters::Parameters(const Model& model) : model_(&model) {

@@ -2,8 +2,8 @@
 
 #include "bsdf/measured_build.h"
 #include "bsdf/registry.h"
-#include "formats/measured_demo.h"
 #include "formats/measured_reader.h"
+#include "materials/measured_demo.h"
 
 #include <filesystem>
 #include <fmt/format.h>
@@ -46,6 +46,8 @@ std::shared_ptr<const FileTables> load(const Parameters& parameters, const Sourc
   static std::mutex mutex;
   static std::map<std::string, std::weak_ptr<const FileTables>> loaded;
   const std::string name = parameters.file_name();
+  if (is_demo(name))
+    return load_demo(parameters, where);
   const MeasuredOptions options = measured_options(parameters);
   // Held while reading, so that two threads do not read the same file.
   std::lock_guard lock(mutex);
@@ -55,7 +57,7 @@ std::shared_ptr<const FileTables> load(const Parameters& parameters, const Sourc
   try {
     auto tables = std::make_shared<FileTables>();
     tables->name = name;
-    tables->values = block_of(read_measured_or_demo(name, options), name);
+    tables->values = block_of(read_measured(name, options), name);
     known = tables;
     return tables;
   } catch (const Error& error) {
@@ -80,10 +82,6 @@ MeasuredOptions measured_options(const Parameters& parameters) {
   options.index = static_cast<int>(parameters.slots()[size_t(d.find("index")->slot)]);
   options.wavelength = parameters.slots()[size_t(d.find("wavelength")->slot)];
   return options;
-}
-
-MeasuredFile read_measured_or_demo(const std::string& name, const MeasuredOptions& options) {
-  return is_demo(name) ? measured_demo(name, options) : read_measured(name, options);
 }
 
 } // namespace faceta

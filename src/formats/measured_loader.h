@@ -15,7 +15,4 @@ void load_measured_files();
 /// The options that the parameters of the model `measured` give.
 MeasuredOptions measured_options(const Parameters& parameters);
 
-/// Reads the file of that name, or makes the demonstration.
-MeasuredFile read_measured_or_demo(const std::string& name, const MeasuredOptions& options);
-
 } // namespace faceta

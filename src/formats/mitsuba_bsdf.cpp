@@ -1,6 +1,6 @@
-#include "formats/measured_demo.h"
 #include "formats/mitsuba_reader.h"
 #include "formats/xml_values.h"
+#include "materials/measured_demo.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -14,8 +14,21 @@ using MaterialPtr = std::shared_ptr<MaterialNode>;
 /// Models that only the scene knows, beside those of the registry.
 const std::vector<std::string> kTreeNodes = {"twosided", "mask", "blendbsdf", "null"};
 
+/// Whether a type is another name of the model `measured`: of a format, which the file must have
+/// then, or of Mitsuba's.
+bool names_measured(const std::string& type, const Model& measured) {
+  const std::vector<std::string>& formats = measured.descriptor.find("format")->choices;
+  return type == "measured_polarized" ||
+         (type != "auto" && std::find(formats.begin(), formats.end(), type) != formats.end());
+}
+
 std::vector<std::string> supported_bsdfs() {
   std::vector<std::string> names = Registry::global().names();
+  for (const std::string& format :
+       Registry::global().get("measured").descriptor.find("format")->choices)
+    if (format != "auto")
+      names.push_back(format);
+  names.push_back("measured_polarized");
   names.insert(names.end(), kTreeNodes.begin(), kTreeNodes.end());
   return names;
 }
@@ -120,6 +133,9 @@ MaterialPtr Reader::read_material(const xml::NodePtr& node) {
     finish(*node, {});
   } else if (const Model* model = Registry::global().find(node->type))
     material = read_model(*node, *model);
+  else if (const Model& measured = Registry::global().get("measured");
+           names_measured(node->type, measured))
+    material = read_measured_alias(*node, measured);
   else
     throw unsupported_plugin(*node, supported_bsdfs());
   materials_[node.get()] = material;
@@ -140,6 +156,22 @@ MaterialPtr Reader::read_model(const xml::Node& node, const Model& model) {
     material->parameters->load_file(position(node, file->name));
   material->parameters->check(node.where);
   return material;
+}
+
+MaterialPtr Reader::read_measured_alias(const xml::Node& node, const Model& measured) {
+  xml::Node plain = node;
+  if (node.type == "measured_polarized") {
+    // A roughness that Mitsuba samples with: what we sample with comes from the file.
+    if (node.has("alpha_sample"))
+      node.get_float("alpha_sample");
+    std::erase_if(plain.properties, [](const auto& p) { return p.name == "alpha_sample"; });
+  } else {
+    if (node.has("format"))
+      throw node.error_at("format", fmt::format("'format' beside the type '{}'", node.type),
+                          "leave it out, or make the type 'measured'");
+    plain.set("format", xml::Type::string, node.type);
+  }
+  return read_model(plain, measured);
 }
 
 void Reader::read_parameter(const xml::Node& node, const ParamInfo& parameter,
@@ -167,9 +199,9 @@ void Reader::read_parameter(const xml::Node& node, const ParamInfo& parameter,
     read_metal(node, parameter, values);
     break;
   case ParamKind::file:
-    values.set(parameter.name, is_demo(node.get_string(parameter.name))
-                                   ? node.get_string(parameter.name)
-                                   : node.get_file(parameter.name).string(),
+    values.set(parameter.name,
+               is_demo(node.get_string(parameter.name)) ? node.get_string(parameter.name)
+                                                        : node.get_file(parameter.name).string(),
                position(node, parameter.name));
     break;
   }

@@ -36,6 +36,7 @@ private:
   void read_top_emitter(const xml::NodePtr& node);
 
   // mitsuba_bsdf.cpp
+  std::shared_ptr<MaterialNode> read_measured_alias(const xml::Node& node, const Model& measured);
   std::shared_ptr<MaterialNode> read_model(const xml::Node& node, const Model& model);
   void read_parameter(const xml::Node& node, const ParamInfo& parameter, MaterialNode& material);
   void read_textured_parameter(const xml::Node& node, const ParamInfo& parameter,

@@ -1,10 +1,14 @@
 #include "materials/builtin.h"
 
+#include "materials/measured_demo.h"
+
 namespace faceta {
 
 Registry& Registry::global() {
   static Registry registry = [] {
     Registry r;
+    if (FileLoader full = set_file_loader(load_demo))
+      set_file_loader(full);
     r.add(builtin_models(), module_directory(), "builtin");
     return r;
   }();

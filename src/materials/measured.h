@@ -49,7 +49,10 @@ template <class T> struct Measured {
                  .reciprocal = false,
                  .albedo_bound = kInfinity,
                  .tabulated = true})
-        .exemplar("default", {{"filename", "demo:plastic"}});
+        .exemplar("plastic", {{"filename", "demo:plastic"}})
+        .exemplar("metal", {{"filename", "demo:metal"}, {"tint", "1,0.9,0.8"}})
+        .exemplar("brushed", {{"filename", "demo:brushed"}})
+        .exemplar("gloss", {{"filename", "demo:gloss"}, {"scale", "0.5"}});
   }
 
   FACETA_INLINE Eval<T> eval(const Vec3<T>& wo, const Vec3<T>& wi, const Context<T>&) const {

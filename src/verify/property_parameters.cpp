@@ -90,7 +90,7 @@ void check_refusal(const Model& model, const ParamInfo& p, const std::string& te
       parameters.load_file();
   } catch (const Error& e) {
     if (std::string(e.what()).find(p.name) == std::string::npos && p.kind != ParamKind::metal &&
-        p.kind != ParamKind::ior)
+        p.kind != ParamKind::ior && p.kind != ParamKind::file)
       outcome.fail(
           fmt::format("'{}' = {} is refused without naming it: {}", p.name, text, e.what()));
     return;

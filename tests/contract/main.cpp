@@ -3,6 +3,7 @@
 
 #include "formats/material_json.h"
 #include "formats/material_xml.h"
+#include "formats/measured_loader.h"
 #include "verify/suite.h"
 
 #include <cctype>
@@ -103,6 +104,7 @@ void register_model(const Model& model) {
 
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);
+  load_measured_files();
   Registry::global().add(newcomers::newcomers_models(), FACETA_TEST_MODULES, "newcomers");
   round_trips().emplace_back("xml", through_xml);
   round_trips().emplace_back("json", through_json);

@@ -1,7 +1,11 @@
-#include "formats/measured_demo.h"
+#include "materials/measured_demo.h"
+
+#include "bsdf/measured_build.h"
 
 #include <cmath>
 #include <limits>
+#include <map>
+#include <mutex>
 #include <tbb/parallel_for.h>
 
 namespace faceta {
@@ -71,7 +75,35 @@ Vec3<double> about_y(const Vec3<double>& v, double angle) {
   return {c * v.x + s * v.z, v.y, c * v.z - s * v.x};
 }
 
+/// One table a demonstration, made when it is first asked for.
+std::shared_ptr<const FileTables> demo_tables(const std::string& name) {
+  static std::mutex mutex;
+  static std::map<std::string, std::weak_ptr<const FileTables>> made;
+  std::lock_guard lock(mutex);
+  std::weak_ptr<const FileTables>& known = made[name];
+  if (auto tables = known.lock())
+    return tables;
+  auto tables = std::make_shared<FileTables>();
+  tables->name = name;
+  tables->values = measured_block(std::get<MeasuredGrid>(measured_demo(name).data));
+  known = tables;
+  return tables;
+}
+
 } // namespace
+
+std::shared_ptr<const FileTables> load_demo(const Parameters& parameters,
+                                            const SourcePosition& where) {
+  const std::string name = parameters.file_name();
+  if (!is_demo(name))
+    throw Error("this program reads no files of measured values", where,
+                "call faceta::load_measured_files() first");
+  for (const ParamInfo& p : parameters.descriptor().params)
+    if (p.reads_file && parameters.was_set(p.name))
+      throw Error("'" + p.name + "' says how a file is read, and '" + name + "' is none", where,
+                  "leave it out");
+  return demo_tables(name);
+}
 
 bool is_demo(const std::string& name) {
   return name.rfind(kPrefix, 0) == 0;
@@ -143,16 +175,13 @@ void tabulate(const Parameters& material, MeasuredGrid& grid) {
   });
 }
 
-MeasuredFile measured_demo(const std::string& name, const MeasuredOptions& options) {
+MeasuredFile measured_demo(const std::string& name) {
   const Demo* demo = nullptr;
   for (const Demo& d : demos())
     if (kPrefix + std::string(d.name) == name)
       demo = &d;
   if (!demo)
     throw Error("there is no demonstration of that name", {name}, suggestion(name, demo_names()));
-  if (options != MeasuredOptions{})
-    throw Error("a demonstration is read in one way only", {name},
-                "leave out what says how files are read");
   MeasuredFile file;
   MeasuredGrid grid = demo->grid;
   tabulate(make_parameters(demo->model, demo->settings), grid);

@@ -8,11 +8,16 @@
 
 namespace faceta {
 
+/// Loads them for materials that name them; other names are an Error. What Registry::global()
+/// begins with, see set_file_loader().
+std::shared_ptr<const FileTables> load_demo(const Parameters& parameters,
+                                            const SourcePosition& where);
+
 bool is_demo(const std::string& name);
 /// "demo:plastic", ...
 std::vector<std::string> demo_names();
 /// Error with a suggestion if there is none of that name.
-MeasuredFile measured_demo(const std::string& name, const MeasuredOptions& options = {});
+MeasuredFile measured_demo(const std::string& name);
 
 /// The values of a material at all nodes of a grid whose coordinates and axes are given: f_r of
 /// what it reflects from the front, without delta lobes. Nodes that belong to directions below the
