@@ -23,7 +23,7 @@ std::string_view take_line(const InputText& input, ByteCursor& cursor, const std
 // Metadata and the name of the first block, behind which the cursor then stands.
 std::string_view take_header(const InputText& input, ByteCursor& cursor, std::string& metadata) {
   if (!input.text.starts_with(kMagic))
-    throw input.error_at_byte(input.text.data(), "the first line is not 'NVIDIA ARC MBSDF V1'");
+    throw input.error_at_byte(cursor.at(), "the first line is not 'NVIDIA ARC MBSDF V1'");
   cursor.take_bytes(kMagic.size(), "the first line");
   while (true) {
     if (cursor.left() == 0)

@@ -79,8 +79,9 @@ bool is_tensor_file(std::string_view bytes) {
 
 TensorFile::TensorFile(const InputText& input) : input_(input) {
   ByteCursor cursor(input_);
+  const char* start = cursor.at();
   if (cursor.take_bytes(kMagic.size(), "the header") != kMagic)
-    throw input_.error_at_byte(input_.text.data(), "not a tensor_file");
+    throw input_.error_at_byte(start, "not a tensor_file");
   auto major = cursor.take<uint8_t>("the header"), minor = cursor.take<uint8_t>("the header");
   if (major != 1 || minor != 0)
     throw input_.error_at_byte(cursor.at() - 2,
