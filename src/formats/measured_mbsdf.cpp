@@ -62,7 +62,9 @@ Block take_block(const InputText& input, ByteCursor& cursor) {
   const uint64_t channels = type == 0 ? 1 : 3;
   uint64_t bytes =
       bounded_product({thetas, thetas, phis, channels, sizeof(float)}, uint64_t(1) << 40);
-  return {thetas, phis, channels, cursor.take_bytes(bytes, "a block of values").data()};
+  const char* values = cursor.at();
+  cursor.take_bytes(bytes, "a block of values");
+  return {thetas, phis, channels, values};
 }
 
 // The mean of both directions of light, as the SDK takes it.
