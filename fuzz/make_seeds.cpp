@@ -1,7 +1,9 @@
 // Writes the seeds that are binary: small pictures in every way that a format stores them, made by
-// the formats' own libraries, and meshes.
+// the formats' own libraries, meshes, and files of measured reflectance.
 //   make_seeds FOLDER      writes FOLDER/fuzz_<target>/<name>
 
+#include "formats/measured_rgl.h"
+#include "formats/measured_tensor.h"
 #include "image/codecs.h"
 
 #include <Imath/half.h>
@@ -215,6 +217,65 @@ void write_ply_seeds(const fs::path& folder) {
   }
 }
 
+template <class T> void put(std::string& out, const std::vector<T>& values) {
+  out.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+}
+
+template <class T> TensorField field(const char* name, TensorType type,
+                                     std::vector<std::uint64_t> shape,
+                                     const std::vector<T>& values) {
+  return {name,
+          type,
+          std::move(shape),
+          {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)}};
+}
+
+void write_tensor_seeds(const fs::path& folder) {
+  RglTables t;
+  t.phi_i = {0}, t.theta_i = {0, 1};
+  for (int axis = 0; axis < 2; ++axis)
+    t.ndf_size[axis] = t.sigma_size[axis] = t.vndf_size[axis] = t.luminance_size[axis] = 2;
+  t.ndf = t.sigma = {1, 2, 3, 4};
+  t.vndf = t.luminance = {1, 2, 3, 4, 5, 6, 7, 8};
+  t.rgb.assign(24, 0.5f);
+  write_rgl(place(folder, "measured", "colours.bsdf"), t, "made by hand");
+  const std::vector<float> two = {0, 1}, four = {1, 2, 3, 4}, eight = {1, 2, 3, 4, 5, 6, 7, 8};
+  const std::vector<float> phi = {0}, wavelengths = {500, 600, 700}, spectra(24, 0.5f);
+  const std::vector<std::uint8_t> one = {1};
+  using enum TensorType;
+  write_tensor_file(
+      place(folder, "measured", "spectra.bsdf"),
+      {field("phi_i", f32, {1}, phi), field("theta_i", f32, {2}, two),
+       field("sigma", f32, {2, 2}, four), field("ndf", f32, {2, 2}, four),
+       field("vndf", f32, {1, 2, 2, 2}, eight), field("luminance", f32, {1, 2, 2, 2}, eight),
+       field("wavelengths", f32, {3}, wavelengths), field("spectra", f32, {1, 2, 3, 2, 2}, spectra),
+       field("jacobian", u8, {1}, one)});
+  const std::vector<float> phi_d = {-3.14159265f, 0, 3.14159265f}, mueller(3 * 2 * 1 * 2 * 16, 1);
+  const std::vector<std::uint16_t> wvls = {450, 650};
+  write_tensor_file(place(folder, "measured", "mueller.pbsdf"),
+                    {field("theta_h", f32, {1, 1}, phi), field("theta_d", f32, {1, 2}, two),
+                     field("phi_d", f32, {1, 3}, phi_d), field("wvls", u16, {2}, wvls),
+                     field("M", f32, {3, 2, 1, 2, 4, 4}, mueller)});
+}
+
+void write_measured_seeds(const fs::path& folder) {
+  write_tensor_seeds(folder);
+  std::string merl, ngan, mbsdf = "NVIDIA ARC MBSDF V1\na=\"b\"\n";
+  put<std::int32_t>(merl, {2, 2, 3});
+  put(merl, std::vector<double>(36, 1500));
+  write(place(folder, "measured", "small.binary"), merl);
+  put<std::int32_t>(ngan, {2, 2, 2, 3, 0, 0, 1, 0, 0, 1, 3, 0, 0, 0, 0, 0});
+  put(ngan, std::vector<float>(72, 0.25f));
+  write(place(folder, "measured", "small.dat"), ngan);
+  for (std::uint32_t type : {1u, 0u}) {
+    mbsdf += type == 1 ? "MBSDF_DATA_REFLECTION=\n" : "MBSDF_DATA_TRANSMISSION=\n";
+    put<std::uint32_t>(mbsdf, {type, 2, 3});
+    put(mbsdf, std::vector<float>(type == 1 ? 36 : 12, -0.5f));
+  }
+  write(place(folder, "measured", "small.mbsdf"), mbsdf);
+  write_image(place(folder, "measured", "small.exr"), picture({"R", "G", "B"}));
+}
+
 } // namespace
 
 int main(int count, char** arguments) {
@@ -228,5 +289,6 @@ int main(int count, char** arguments) {
   write_jpeg_seeds(folder);
   write_float_seeds(folder);
   write_ply_seeds(folder);
+  write_measured_seeds(folder);
   return 0;
 }

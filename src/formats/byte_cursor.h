@@ -19,6 +19,13 @@ template <class T> T load(const char* p) {
   return value;
 }
 
+/// The number that the bytes begin with; there must be enough of them.
+template <class T> T load(std::string_view bytes) {
+  T value;
+  std::memcpy(&value, &bytes[0], sizeof(T));
+  return value;
+}
+
 /// The product of sizes that a file declares, or limit + 1 if it is above the limit.
 inline uint64_t bounded_product(std::initializer_list<uint64_t> factors, uint64_t limit) {
   uint64_t product = 1;
@@ -54,7 +61,7 @@ public:
     return bytes;
   }
   template <class T> T take(const std::string& what) {
-    return load<T>(take_bytes(sizeof(T), what).data());
+    return load<T>(take_bytes(sizeof(T), what));
   }
 
 private:

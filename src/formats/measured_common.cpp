@@ -59,7 +59,7 @@ WavelengthWeights wavelength_weights(const std::vector<double>& wavelengths, dou
     for (size_t c = 0; c < 3; ++c)
       sum[c] += weights[i][c];
   }
-  // The sums are 1 up to the four digits of the tables and the matrix.
+  // The sums are 1 up to 0.1 %: the integral of the scene contract is that coarse.
   for (auto& weight : weights)
     for (size_t c = 0; c < 3; ++c)
       weight[c] /= sum[c];

@@ -36,7 +36,7 @@ void expect_one_material(const InputText& input, const MeasuredOptions& options)
 /// first NUL.
 std::string shown_text(std::string_view text);
 
-/// f_r of a cell, or the mark of a hole, for MeasuredGrid::rgb.
+/// Fills MeasuredGrid::rgb cell by cell, and counts what it mends.
 struct CellTally {
   int64_t holes = 0, negative = 0;
   /// Stores a cell: a hole if a value is not finite (as a float); values below zero become 0 and
@@ -44,10 +44,9 @@ struct CellTally {
   void store(float* rgb, const std::array<double, 3>& value);
 };
 
-/// The angle to the normal of wi or wo, whichever lies lower, that a cell of a half-difference
-/// grid has; above pi/2: below the horizon.
+/// How near to the horizon the cells of a half-difference grid come.
 struct HalfDifferenceReach {
-  double largest_theta = 0; ///< of the cells that are no holes, at most pi/2
+  double largest_theta = 0; ///< of wi or wo in cells that are no holes; at most pi/2
   int64_t holes_above = 0;  ///< holes with both directions above the horizon
 };
 HalfDifferenceReach reach_of(const MeasuredGrid& grid);

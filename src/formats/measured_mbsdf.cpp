@@ -23,7 +23,7 @@ std::string_view take_line(const InputText& input, ByteCursor& cursor, const std
 // Metadata and the name of the first block, behind which the cursor then stands.
 std::string_view take_header(const InputText& input, ByteCursor& cursor, std::string& metadata) {
   if (!input.text.starts_with(kMagic))
-    throw input.error_at_byte(input.text.data(), "the first line is not 'NVIDIA ARC MBSDF V1'");
+    throw input.error_at_byte(cursor.at(), "the first line is not 'NVIDIA ARC MBSDF V1'");
   cursor.take_bytes(kMagic.size(), "the first line");
   while (true) {
     if (cursor.left() == 0)
@@ -62,7 +62,9 @@ Block take_block(const InputText& input, ByteCursor& cursor) {
   const uint64_t channels = type == 0 ? 1 : 3;
   uint64_t bytes =
       bounded_product({thetas, thetas, phis, channels, sizeof(float)}, uint64_t(1) << 40);
-  return {thetas, phis, channels, cursor.take_bytes(bytes, "a block of values").data()};
+  const char* values = cursor.at();
+  cursor.take_bytes(bytes, "a block of values");
+  return {thetas, phis, channels, values};
 }
 
 // The mean of both directions of light, as the SDK takes it.

@@ -67,7 +67,7 @@ void describe(MeasuredInfo& info, const MeasuredGrid& grid, const Sizes& sizes, 
 bool is_merl(std::string_view bytes) {
   if (bytes.size() < kHeader)
     return false;
-  Sizes sizes = load<Sizes>(bytes.data());
+  Sizes sizes = load<Sizes>(bytes);
   return sizes == kSizes || fits(bytes, sizes);
 }
 

@@ -95,7 +95,7 @@ int64_t fill(std::vector<float>& rgb, const char* values, const std::array<size_
 bool is_ngan(std::string_view bytes) {
   if (bytes.size() < kHeader)
     return false;
-  Header header = load<Header>(bytes.data());
+  Header header = load<Header>(bytes);
   bool plausible = std::all_of(header.sizes.begin(), header.sizes.end(),
                                [](int32_t size) { return size > 0 && size <= kMaxSize; });
   return plausible && is_flag(header.parameters) && is_flag(header.binning) &&

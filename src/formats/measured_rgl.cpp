@@ -114,18 +114,20 @@ private:
   // Adds the layers of each table up by their weights, texel by texel.
   void mix_layers(const TensorField& field, const WavelengthWeights& weights) {
     const size_t tables = phis_ * thetas_;
-    std::vector<float> values = file_.finite_floats(field);
+    file_.expect_finite(field);
     tables_.rgb.resize(tables * texels_ * 3);
     std::vector<double> sum(texels_ * 3);
     for (size_t table = 0; table < tables; ++table) {
       std::fill(sum.begin(), sum.end(), 0);
       for (size_t layer = 0; layer < weights.size(); ++layer) {
-        const float* texel = &values[(table * weights.size() + layer) * texels_];
+        const char* texels =
+            field.bytes.data() + (table * weights.size() + layer) * texels_ * sizeof(float);
         const auto [r, g, b] = weights[layer];
         for (size_t i = 0; i < texels_; ++i) {
-          sum[3 * i] += r * texel[i];
-          sum[3 * i + 1] += g * texel[i];
-          sum[3 * i + 2] += b * texel[i];
+          const double value = load<float>(texels + i * sizeof(float));
+          sum[3 * i] += r * value;
+          sum[3 * i + 1] += g * value;
+          sum[3 * i + 2] += b * value;
         }
       }
       for (size_t i = 0; i < sum.size(); ++i) {

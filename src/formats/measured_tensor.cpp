@@ -79,8 +79,9 @@ bool is_tensor_file(std::string_view bytes) {
 
 TensorFile::TensorFile(const InputText& input) : input_(input) {
   ByteCursor cursor(input_);
+  const char* start = cursor.at();
   if (cursor.take_bytes(kMagic.size(), "the header") != kMagic)
-    throw input_.error_at_byte(input_.text.data(), "not a tensor_file");
+    throw input_.error_at_byte(start, "not a tensor_file");
   auto major = cursor.take<uint8_t>("the header"), minor = cursor.take<uint8_t>("the header");
   if (major != 1 || minor != 0)
     throw input_.error_at_byte(cursor.at() - 2,
@@ -144,13 +145,17 @@ const TensorField& TensorFile::require(std::string_view name, TensorType type,
                                  name_of(type)));
 }
 
+void TensorFile::expect_finite(const TensorField& field) const {
+  for (size_t at = 0; at < field.bytes.size(); at += sizeof(float))
+    if (!std::isfinite(load<float>(field.bytes.data() + at)))
+      throw input_.error_at_byte(field.bytes.data() + at,
+                                 "field '" + field.name + "' holds a value that is not finite");
+}
+
 std::vector<float> TensorFile::finite_floats(const TensorField& field) const {
+  expect_finite(field);
   std::vector<float> values(field.bytes.size() / sizeof(float));
-  std::memcpy(values.data(), field.bytes.data(), values.size() * sizeof(float));
-  auto bad = std::find_if(values.begin(), values.end(), [](float v) { return !std::isfinite(v); });
-  if (bad != values.end())
-    throw input_.error_at_byte(field.bytes.data() + (bad - values.begin()) * sizeof(float),
-                               "field '" + field.name + "' holds a value that is not finite");
+  std::memcpy(values.data(), field.bytes.data(), field.bytes.size());
   return values;
 }
 

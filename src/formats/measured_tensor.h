@@ -41,7 +41,9 @@ public:
   /// 0. Error otherwise.
   const TensorField& require(std::string_view name, TensorType type,
                              const std::vector<uint64_t>& shape) const;
-  /// The values of a field of f32. Error at the first one that is not finite.
+  /// Error at the first value of a field of f32 that is not finite.
+  void expect_finite(const TensorField& field) const;
+  /// The values of a field of f32, all finite: Error as above.
   std::vector<float> finite_floats(const TensorField& field) const;
   /// An error at the first byte of a field, or at the end of the file if it is null.
   Error error(const TensorField* field, const std::string& message) const;
