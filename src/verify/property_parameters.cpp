@@ -75,7 +75,7 @@ bool matters(const Model& model, const ParamInfo& p) {
         refused = true;
       }
     }
-    if (p.reads_file && refused && !first.empty())
+    if (p.reads_file && refused)
       return true;
   }
   return false;
