@@ -1,5 +1,7 @@
 #include "formats/measured_reader.h"
 
+#include "formats/measured_text_formats.h"
+
 #include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
@@ -7,7 +9,18 @@
 namespace faceta {
 
 const std::vector<MeasuredFormat>& measured_formats() {
-  static const std::vector<MeasuredFormat> formats = {};
+  static const std::vector<MeasuredFormat> formats = {
+      // text and XML
+      {"cornell", "Cornell gonioreflectometer (pbrt-v2 text)", is_cornell, read_cornell},
+      {"astm", "ASTM E1392 (Cornell)", is_astm, read_astm},
+      {"zemax", "Zemax tabular BSDF", is_zemax, read_zemax},
+      {"lighttools", "LightTools BSDF", is_lighttools, read_lighttools},
+      {"alta", "ALTA (Inria)", is_alta, read_alta},
+      {"window_xml", "Radiance / LBNL Window BSDF XML", is_window_xml, read_window_xml},
+      {"curet", "CUReT (Dana et al. 1999)", is_curet, read_curet},
+      {"tvbrdf", "time-varying BRDF (Gu et al. 2006)", is_tvbrdf, read_tvbrdf},
+      {"csv", "comma-separated values", is_brdf_csv, read_brdf_csv},
+  };
   return formats;
 }
 
