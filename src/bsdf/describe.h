@@ -71,7 +71,8 @@ enum class ParamKind {
   roughness,   ///< alpha for both directions; alpha_u and alpha_v follow as scalars of their own
   choice,      ///< one of several words
   flag,        ///< true or false
-  metal        ///< a named conductor, writes eta and k
+  metal,       ///< a named conductor, writes eta and k
+  file         ///< a file of measured values (measured_table.h)
 };
 
 /// One parameter of a model, as everybody but the model sees it.
@@ -130,6 +131,7 @@ struct Traits {
   bool reciprocal = true;       ///< f(wo, wi) = f(wi, wo), with eta^2 across an interface
   double albedo_bound = 1.0;    ///< largest albedo of any parameter set
   bool two_sided = false;       ///< scatters for wo below the surface as well
+  bool of_angles = false;       ///< a function of angles, known to 2^-23 near the horizon too
 };
 
 /// The whole description of a model.
@@ -160,6 +162,13 @@ struct Descriptor {
         if (std::find(list.begin(), list.end(), p.slot + k) == list.end())
           list.push_back(p.slot + k);
     return list;
+  }
+  /// The parameter that names a file, or null.
+  const ParamInfo* file() const {
+    for (const ParamInfo& p : params)
+      if (p.kind == ParamKind::file)
+        return &p;
+    return nullptr;
   }
   std::vector<std::string> param_names() const {
     std::vector<std::string> names;
@@ -312,6 +321,16 @@ public:
     p.kind = ParamKind::metal;
     p.default_name = default_name;
     p.excludes = "eta,k";
+    descriptor.params.push_back(p);
+    return *this;
+  }
+  /// A file that the parameters load (file_tables.h); one at most in a model, which has no tables of
+  /// its own then.
+  auto& file(const char* name, const float* M::*, const char* doc) {
+    ParamInfo p;
+    p.name = name;
+    p.doc = doc;
+    p.kind = ParamKind::file;
     descriptor.params.push_back(p);
     return *this;
   }

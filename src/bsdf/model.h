@@ -50,6 +50,11 @@ template <class D, class M, class T> struct FieldVisitor : DescribeIgnoringTexts
     self().choice_at(m.*f);
     return self();
   }
+  FACETA_INLINE D& file(const char*, const float* M::* f, const char*) {
+    self().file_at(m.*f);
+    return self();
+  }
+  FACETA_INLINE void file_at(const float*&) {}
   FACETA_INLINE D& derived(T M::* f) { return number_field(f); }
   FACETA_INLINE D& derived(Color<T> M::* f) { return self().color_field(f); }
   FACETA_INLINE D& table(Table<T> M::* f) {
@@ -90,6 +95,7 @@ template <class M, class T, class Choices> struct RecordLoader
       field = gather<T>(args.records + k, offset);
   }
   FACETA_INLINE void choice_at(int& field) { field = choices[choice_index++]; }
+  FACETA_INLINE void file_at(const float*& field) { field = args.tables; }
   FACETA_INLINE void table_at(Table<T>& field) {
     int k = slot++;
     field.base = args.tables;

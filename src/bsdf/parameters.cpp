@@ -2,6 +2,7 @@
 #include "spectrum/ior.h"
 
 #include <algorithm>
+#include <atomic>
 #include <charconv>
 #include <cmath>
 
@@ -42,6 +43,8 @@ std::string format_number(double value) {
   return {buffer, end};
 }
 
+std::atomic<FileLoader> file_loader = nullptr;
+
 std::vector<std::string> split_names(const std::string& list) {
   std::vector<std::string> names;
   for (std::string_view part : split(list))
@@ -51,6 +54,10 @@ std::vector<std::string> split_names(const std::string& list) {
 }
 
 } // namespace
+
+void set_file_loader(FileLoader loader) {
+  file_loader = loader;
+}
 
 Parameters::Parameters(const Model& model) : model_(&model) {
   const Descriptor& d = model.descriptor;
@@ -86,6 +93,8 @@ void Parameters::check_range(const ParamInfo& p, double value, const SourcePosit
 void Parameters::assign(const ParamInfo& p, const std::vector<double>& values) {
   for (int i = 0; i < p.slots; ++i)
     slots_[p.slot + i] = values[values.size() == 1 ? 0 : i];
+  if (p.kind == ParamKind::number) // may be about the file
+    file_.reset();
   std::erase(textured_, p.name);
 }
 
@@ -135,6 +144,14 @@ void Parameters::set(const std::string& name, const std::string& text,
                   where, suggestion(text, p.choices));
     choices_[p.choice] = static_cast<int32_t>(word - p.choices.begin());
     set_[name] = text;
+    file_.reset();
+    return;
+  }
+  if (p.kind == ParamKind::file) {
+    file_.reset();
+    if (text.empty())
+      throw Error("parameter '" + name + "' of '" + descriptor().name + "' names no file", where);
+    set_[name] = text;
     return;
   }
   if (p.kind == ParamKind::metal) {
@@ -176,6 +193,32 @@ void Parameters::set(const std::string& name, const std::string& text,
   set_[name] = "";
 }
 
+std::string Parameters::file_name() const {
+  const ParamInfo* p = descriptor().file();
+  return p ? given_name(p->name) : std::string();
+}
+
+void Parameters::load_file(const SourcePosition& where) {
+  const ParamInfo* p = descriptor().file();
+  if (!p || file_)
+    return;
+  if (file_name().empty())
+    throw Error("'" + descriptor().name + "' needs a '" + p->name + "'", where, p->doc);
+  FileLoader loader = file_loader;
+  if (!loader)
+    throw Error("this program reads no files of measured values", where,
+                "call faceta::load_measured_files() first");
+  file_ = loader(*this, where);
+}
+
+Record Parameters::record() const {
+  Parameters loaded = *this;
+  loaded.load_file();
+  Record record = model_->make_record(slots_, choices_, textured_);
+  record.file = loaded.file_;
+  return record;
+}
+
 void Parameters::check(const SourcePosition& where) const {
   for (const auto& [name, given] : set_) {
     const ParamInfo& p = *descriptor().find(name);
@@ -215,7 +258,7 @@ std::string Parameters::text(const std::string& param) const {
   if (p.choice >= 0)
     return p.choices[choices_[p.choice]];
   std::string given = given_name(param);
-  if (!given.empty() || p.kind == ParamKind::metal)
+  if (!given.empty() || p.kind == ParamKind::metal || p.kind == ParamKind::file)
     return given.empty() ? p.default_name : given;
   if (p.slots == 3) {
     const double* v = &slots_[p.slot];

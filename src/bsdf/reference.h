@@ -78,6 +78,7 @@ private:
       return *this;
     }
     void choice_at(int& field) { field = record.choices[next_choice++]; }
+    void file_at(const float*& field) { field = record.args().tables; }
     void table_at(Table<W>& field) {
       field.base = record.tables.data();
       field.offset = static_cast<int32_t>(record.slots[next_slot++]);

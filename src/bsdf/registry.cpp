@@ -42,7 +42,7 @@ MaterialArgs Record::args(TransportMode mode) const {
   a.records = slots.data();
   a.stride = static_cast<int32_t>(slots.size());
   a.choices = choices.data();
-  a.tables = tables.data();
+  a.tables = file ? file->values.data() : tables.data();
   a.importance = mode == TransportMode::importance;
   return a;
 }

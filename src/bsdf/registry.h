@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "bsdf/describe.h"
+#include "bsdf/file_tables.h"
 #include "bsdf/kernel.h"
 
 #include <array>
@@ -31,6 +32,7 @@ struct Record {
   std::vector<float> slots;
   std::vector<int32_t> choices;
   std::vector<float> tables;
+  std::shared_ptr<const FileTables> file{}; ///< of models with a file; `tables` is empty then
 
   /// Arguments for kernels running this one record.
   MaterialArgs args(TransportMode mode = TransportMode::radiance) const;
@@ -130,6 +132,11 @@ public:
   /// Marks a parameter as given by a texture whose mean is `mean_rgb` (scalars: its mean channel).
   void set_texture(const std::string& name, const std::array<double, 3>& mean_rgb,
                    const SourcePosition& where = {});
+  /// Loads the file of a model that has one, unless that was done: an Error here, at its place in
+  /// the scene, instead of in record().
+  void load_file(const SourcePosition& where = {});
+  /// The name of the file; empty if the model has none or it was not given.
+  std::string file_name() const;
   /// Exclusive groups ("alpha" beside "alpha_u"; eta without k): an Error naming both.
   void check(const SourcePosition& where = {}) const;
 
@@ -142,7 +149,8 @@ public:
   std::string given_name(const std::string& param) const;
   /// The value as text that set() reads back to the same numbers.
   std::string text(const std::string& param) const;
-  Record record() const { return model_->make_record(slots_, choices_, textured_); }
+  /// Error if the file of a model that has one cannot be loaded.
+  Record record() const;
 
 private:
   const ParamInfo& info(const std::string& name, const SourcePosition& where) const;
@@ -154,6 +162,7 @@ private:
   std::vector<double> slots_;
   std::vector<int32_t> choices_;
   std::vector<std::string> textured_;
+  std::shared_ptr<const FileTables> file_;
   std::map<std::string, std::string> set_; ///< parameters given, with the name they were given by
 };
 

@@ -1,6 +1,7 @@
 #include "base/error.h"
 #include "cli/arguments.h"
 #include "cli/commands.h"
+#include "formats/measured_loader.h"
 
 #include <cerrno>
 #include <cstdio>
@@ -10,6 +11,7 @@
 namespace {
 
 int run(int argc, char** argv) {
+  faceta::load_measured_files();
   int code = faceta::cli::parse_arguments(argc, argv)();
   // A full disk behind a pipe or a redirection says so only here.
   if (std::fflush(stdout) != 0 || std::ferror(stdout))

@@ -3,13 +3,20 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <fcntl.h>
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <sys/mman.h>
+#include <unistd.h>
 
 namespace faceta {
 
-std::string read_whole_file(const std::string& path) {
+namespace {
+
+constexpr const char* kCannotOpen = "file cannot be opened for reading";
+
+size_t size_of_regular_file(const std::string& path) {
   std::error_code code;
   auto status = std::filesystem::status(path, code);
   if (!std::filesystem::exists(status))
@@ -17,14 +24,40 @@ std::string read_whole_file(const std::string& path) {
   if (!std::filesystem::is_regular_file(status))
     throw Error("not a regular file", {path});
   auto size = std::filesystem::file_size(path, code);
+  if (code)
+    throw Error(kCannotOpen, {path});
+  return static_cast<size_t>(size);
+}
+
+} // namespace
+
+std::string read_whole_file(const std::string& path) {
+  std::string bytes(size_of_regular_file(path), '\0');
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
                                                        &std::fclose);
-  if (code || !file)
-    throw Error("file cannot be opened for reading", {path});
-  std::string bytes(static_cast<size_t>(size), '\0');
+  if (!file)
+    throw Error(kCannotOpen, {path});
   if (std::fread(bytes.data(), 1, bytes.size(), file.get()) != bytes.size())
     throw Error("file cannot be read to its end", {path});
   return bytes;
+}
+
+MappedFile::MappedFile(const std::string& path) : size_(size_of_regular_file(path)) {
+  int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0)
+    throw Error(kCannotOpen, {path});
+  void* memory = nullptr; // nothing can be mapped of an empty file
+  if (size_ > 0)
+    memory = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, descriptor, 0);
+  ::close(descriptor);
+  if (memory == MAP_FAILED)
+    throw Error("file cannot be mapped into memory", {path});
+  data_ = static_cast<const char*>(memory);
+}
+
+MappedFile::~MappedFile() {
+  if (data_)
+    ::munmap(const_cast<char*>(data_), size_);
 }
 
 Error InputText::error(const char* at, const std::string& message, const std::string& hint) const {

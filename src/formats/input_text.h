@@ -10,6 +10,23 @@ namespace faceta {
 /// The bytes of a regular file. Throws Error if it is missing, no regular file or unreadable.
 std::string read_whole_file(const std::string& path);
 
+/// The bytes of a regular file, mapped into memory: pages are read when they are looked at, and
+/// given back when memory runs short. Errors as of read_whole_file. The file must not shrink while
+/// it is looked at.
+class MappedFile {
+public:
+  explicit MappedFile(const std::string& path);
+  ~MappedFile();
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+
+  std::string_view bytes() const { return {data_, size_}; }
+
+private:
+  const char* data_ = nullptr;
+  size_t size_ = 0;
+};
+
 /// Text of a file with its name, for errors that know their line and column. The position is
 /// counted out only when an error is made, so that parsing pays nothing for it.
 struct InputText {

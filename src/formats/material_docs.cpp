@@ -77,6 +77,8 @@ std::string default_text(const Descriptor& d, const ParamInfo& p) {
 std::string range_text(const ParamInfo& p) {
   if (p.kind == ParamKind::metal)
     return fmt::format("a name of {}", conductor_names().size());
+  if (p.kind == ParamKind::file)
+    return "a file";
   if (p.choice >= 0)
     return join(p.choices, " | ");
   std::string low = std::isinf(p.hard.low) ? "(-inf" : "[" + number(p.hard.low);
@@ -106,6 +108,8 @@ const char* kind_text(const ParamInfo& p) {
     return "flag";
   case ParamKind::metal:
     return "metal";
+  case ParamKind::file:
+    return "file";
   }
   return "";
 }

@@ -1,3 +1,4 @@
+#include "formats/measured_common.h"
 #include "formats/measured_lattice.h"
 #include "formats/measured_text.h"
 #include "formats/measured_text_formats.h"
@@ -271,6 +272,7 @@ bool is_alta(std::string_view bytes) {
 }
 
 MeasuredFile read_alta(const InputText& input, const MeasuredOptions& options) {
+  expect_one_material(input, options);
   TextScanner scanner(input, 0);
   Header header = read_header(scanner, input);
   auto found = std::find_if(std::begin(kParametrisations), std::end(kParametrisations),
@@ -286,7 +288,7 @@ MeasuredFile read_alta(const InputText& input, const MeasuredOptions& options) {
   Rows rows =
       header.binary ? read_binary_rows(scanner, header, input) : read_text_rows(scanner, header);
 
-  MeasuredInfo info{"alta", "ALTA (Inria)"};
+  MeasuredInfo info;
   info.description = header.param_in + " to " + header.param_out;
   bool with_cosine = header.param_out == "INV_STERADIAN_COSINE_FACTOR";
   std::vector<MeasuredSample> samples;

@@ -1,4 +1,5 @@
 #include "formats/measured_columns.h"
+#include "formats/measured_common.h"
 #include "formats/measured_text_formats.h"
 
 #include <fmt/format.h>
@@ -11,8 +12,9 @@ bool is_astm(std::string_view bytes) {
 }
 
 MeasuredFile read_astm(const InputText& input, const MeasuredOptions& options) {
+  expect_one_material(input, options);
   TextScanner scanner(input);
-  MeasuredInfo info{"astm", "ASTM E1392 (Cornell)"};
+  MeasuredInfo info;
   int64_t declared = -1;
   while (!scanner.at_end() && scanner.peek() != "VARS") {
     std::string keyword(scanner.word().substr(0, 40));

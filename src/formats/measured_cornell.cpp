@@ -1,3 +1,4 @@
+#include "formats/measured_common.h"
 #include "formats/measured_text.h"
 #include "formats/measured_text_formats.h"
 
@@ -45,6 +46,7 @@ bool is_cornell(std::string_view bytes) {
 }
 
 MeasuredFile read_cornell(const InputText& input, const MeasuredOptions& options) {
+  expect_one_material(input, options);
   TextScanner scanner(input);
   int64_t count = scanner.integer("the number of wavelengths", 1, kMostWavelengths);
   const char* where = scanner.last();
@@ -53,8 +55,8 @@ MeasuredFile read_cornell(const InputText& input, const MeasuredOptions& options
     columns.wavelengths.push_back(scanner.number("a wavelength (nm)"));
   MeasuredColors colors(columns, options, input, where);
 
-  MeasuredInfo info{"cornell", "Cornell gonioreflectometer (pbrt-v2 text)"};
-  info.description = leading_comments(input.text);
+  MeasuredInfo info;
+  info.description = shown_text(leading_comments(input.text));
   info.wavelengths = columns.wavelengths;
   std::vector<MeasuredSample> samples;
   std::vector<double> values(static_cast<size_t>(count));

@@ -1,4 +1,5 @@
 #include "formats/measured_columns.h"
+#include "formats/measured_common.h"
 #include "formats/measured_text_formats.h"
 
 #include <algorithm>
@@ -46,6 +47,7 @@ bool is_brdf_csv(std::string_view bytes) {
 }
 
 MeasuredFile read_brdf_csv(const InputText& input, const MeasuredOptions& options) {
+  expect_one_material(input, options);
   TextScanner scanner(input);
   scanner.at_end();
   const char* header = scanner.position();
@@ -80,7 +82,7 @@ MeasuredFile read_brdf_csv(const InputText& input, const MeasuredOptions& option
     throw input.error(header, "no column of values", kHint);
   name_value_columns(table, names, columns, where, input);
   scanner.next_line();
-  MeasuredInfo info{"csv", "comma-separated values"};
+  MeasuredInfo info;
   return read_table_rows(scanner, table, std::move(info), input, options, header);
 }
 

@@ -190,7 +190,7 @@ MeasuredFile read_curet(const InputText& input, const MeasuredOptions& options) 
                                   words - 1,
                                   words == 4 ? "Oren-Nayar rho, sigma, kd" : "Koenderink"),
                       "its measurements are: abrdf.dat, or rbrdf.dat, gbrdf.dat and bbrdf.dat");
-  MeasuredInfo info{"curet", "CUReT (Dana et al. 1999)"};
+  MeasuredInfo info;
   info.description = fmt::format("material {}", options.index);
   auto channels = read_channels(input, options.index, info);
   MeasuredColors colors({channels.size() == 3 ? MeasuredColumns::kRgb : MeasuredColumns::kGrey},

@@ -1,3 +1,4 @@
+#include "formats/measured_common.h"
 #include "formats/measured_lattice.h"
 #include "formats/measured_text.h"
 #include "formats/measured_text_formats.h"
@@ -12,7 +13,6 @@ namespace faceta {
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr int64_t kMostAngles = 4096;
 
 struct Header {
@@ -152,10 +152,11 @@ bool is_lighttools(std::string_view bytes) {
 }
 
 MeasuredFile read_lighttools(const InputText& input, const MeasuredOptions& options) {
+  expect_one_material(input, options);
   TextScanner scanner(input);
   Header header = read_header(scanner);
   const char* data = scanner.last();
-  MeasuredInfo info{"lighttools", "LightTools BSDF"};
+  MeasuredInfo info;
   Blocks blocks = read_blocks(scanner, header, input, info);
   if (blocks.empty())
     throw input.error(data, "no block of the front's BRDF");

@@ -1,9 +1,9 @@
 #include "formats/measured_text.h"
 
+#include "formats/measured_common.h"
 #include "formats/measured_lattice.h"
 #include "formats/measured_scattered.h"
 #include "spectrum/cie.h"
-#include "spectrum/spectrum_curve.h"
 
 #include <algorithm>
 #include <charconv>
@@ -149,23 +149,7 @@ MeasuredColors::MeasuredColors(const MeasuredColumns& columns, const MeasuredOpt
     if (!(nm[i] > (i == 0 ? 0 : nm[i - 1])) || !(nm[i] < 1e6))
       throw input.error(where, fmt::format("wavelengths must increase, but {} nm follows {} nm",
                                            nm[i], i == 0 ? 0 : nm[i - 1]));
-  if (options.wavelength >= 0 &&
-      (options.wavelength < nm.front() || options.wavelength > nm.back()))
-    throw input.error(where, fmt::format("the file has no value at {} nm", options.wavelength),
-                      fmt::format("it has {} to {} nm", nm.front(), nm.back()));
-  // The colour is linear in the values: that of each one's hat function is its weight.
-  for (size_t i = 0; i < nm.size(); ++i) {
-    if (nm.size() == 1) {
-      weights_.push_back({1, 1, 1});
-      continue;
-    }
-    SpectrumCurve hat{nm, std::vector<double>(nm.size(), 0.0)};
-    hat.values[i] = 1;
-    double at_wavelength = options.wavelength >= 0 ? spectrum_at(hat, options.wavelength) : 0;
-    weights_.push_back(options.wavelength >= 0
-                           ? std::array{at_wavelength, at_wavelength, at_wavelength}
-                           : xyz_to_srgb(spectrum_to_xyz(hat, true)));
-  }
+  weights_ = wavelength_weights(nm, options.wavelength, input.error(where, "").where());
 }
 
 std::array<double, 3> MeasuredColors::rgb(const double* values, int64_t& negative) const {

@@ -68,9 +68,8 @@ struct MeasuredColumns {
   std::vector<double> wavelengths{}; ///< nm, increasing strictly; kSpectral only
 };
 
-/// Turns the numbers of a row into linear sRGB: XYZ by xyz_to_srgb; spectra by the rule of
-/// SpectrumUse::unbounded, or, with options.wavelength, their value there as grey. What is below
-/// zero becomes 0.
+/// Turns the numbers of a row into linear sRGB: XYZ by xyz_to_srgb; spectra by
+/// wavelength_weights(). What is below zero becomes 0.
 class MeasuredColors {
 public:
   /// Error at `where` if the wavelengths do not increase, do not fit the option, or if it asks for

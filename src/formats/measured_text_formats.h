@@ -38,8 +38,10 @@ bool is_alta(std::string_view bytes);
 MeasuredFile read_alta(const InputText& input, const MeasuredOptions& options);
 
 /// BSDF XML of Radiance and LBNL Window: Klems matrices become MeasuredPatches, tensor trees of
-/// rank 3 and 4 MeasuredTree. See the reader for the sides and the azimuths.
-bool is_window_xml(std::string_view bytes);
+/// rank 3 and 4 MeasuredTree. The one reader tells by IncidentDataStructure; see there for the
+/// sides and the azimuths.
+bool is_klems(std::string_view bytes);
+bool is_tensor_tree(std::string_view bytes);
 MeasuredFile read_window_xml(const InputText& input, const MeasuredOptions& options);
 
 /// CUReT (Dana et al. 1999): tables of 205 measurements a material, for one colour or all. The

@@ -1,3 +1,4 @@
+#include "formats/measured_common.h"
 #include "formats/measured_text.h"
 #include "formats/measured_text_formats.h"
 
@@ -33,8 +34,9 @@ bool is_tvbrdf(std::string_view bytes) {
 }
 
 MeasuredFile read_tvbrdf(const InputText& input, const MeasuredOptions& options) {
+  expect_one_material(input, options);
   TextScanner scanner(input);
-  MeasuredInfo info{"tvbrdf", "time-varying BRDF (Gu et al. 2006)"};
+  MeasuredInfo info;
   MeasuredColors colors({MeasuredColumns::kRgb}, options, input, input.text.data());
   if (!scanner.at_end() && scanner.peek() == "Exposure")
     scanner.next_line();

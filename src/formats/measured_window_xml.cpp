@@ -3,6 +3,7 @@
 /// are those of light from z < 0: kBackReflection, kBackTransmission. The incident basis of a Klems
 /// matrix holds the azimuth of minus the light's direction; cells here hold the light's own.
 
+#include "formats/measured_common.h"
 #include "formats/measured_text_formats.h"
 #include "formats/measured_window.h"
 #include "formats/xml_source.h"
@@ -18,7 +19,7 @@ namespace faceta {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi, kDegree = kPi / 180;
+constexpr double kPi = std::numbers::pi;
 constexpr int kMostRings = 100, kMostCells = 2000, kMostBasis = 20000;
 
 std::string trimmed(std::string_view text) {
@@ -66,18 +67,16 @@ class WindowReader {
 public:
   WindowReader(const InputText& input, const MeasuredOptions& options)
       : input_(input), source_(input.name, std::string(input.text)) {
-    if (options.wavelength >= 0)
-      throw Error("the file has no values of single wavelengths", {input.name},
-                  "it holds sums over the visible or the solar spectrum");
+    expect_one_coloured_material(input, options);
   }
 
   MeasuredFile read() {
-    MeasuredInfo info{"window_xml", "Radiance / LBNL Window BSDF XML"};
+    MeasuredInfo info;
     pugi::xml_node layer = need(need(source_.root(), "Optical"), "Layer");
     pugi::xml_node definition = need(layer, "DataDefinition");
     if (pugi::xml_node material = layer.child("Material"))
-      info.description = trimmed(trimmed(material.child_value("Name")) + " " +
-                                 trimmed(material.child_value("Manufacturer")));
+      info.description = shown_text(trimmed(trimmed(material.child_value("Name")) + " " +
+                                            trimmed(material.child_value("Manufacturer"))));
     pugi::xml_node structure = need(definition, "IncidentDataStructure");
     std::string kind = trimmed(structure.child_value());
     collect_blocks(layer);
@@ -401,10 +400,18 @@ private:
   std::vector<Block> blocks_;
 };
 
-} // namespace
-
 bool is_window_xml(std::string_view bytes) {
   return bytes.substr(0, 4096).find("<WindowElement") != bytes.npos;
+}
+
+} // namespace
+
+bool is_tensor_tree(std::string_view bytes) {
+  return is_window_xml(bytes) && bytes.substr(0, size_t(1) << 16).find("TensorTree") != bytes.npos;
+}
+
+bool is_klems(std::string_view bytes) {
+  return is_window_xml(bytes) && !is_tensor_tree(bytes);
 }
 
 MeasuredFile read_window_xml(const InputText& input, const MeasuredOptions& options) {

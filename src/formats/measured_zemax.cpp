@@ -1,3 +1,4 @@
+#include "formats/measured_common.h"
 #include "formats/measured_lattice.h"
 #include "formats/measured_text.h"
 #include "formats/measured_text_formats.h"
@@ -9,7 +10,6 @@ namespace faceta {
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr int64_t kMostAngles = 4096;
 
 struct Header {
@@ -124,6 +124,7 @@ bool is_zemax(std::string_view bytes) {
 }
 
 MeasuredFile read_zemax(const InputText& input, const MeasuredOptions& options) {
+  expect_one_material(input, options);
   TextScanner scanner(input);
   Header header = read_header(scanner);
   bool is_color = header.content == "XYZ";
@@ -148,7 +149,7 @@ MeasuredFile read_zemax(const InputText& input, const MeasuredOptions& options) 
   if (!rotated && header.rotation.size() > 1)
     throw input.error(input.text.data(),
                       "several sample rotations need the Symmetry ASymmetrical4D");
-  MeasuredInfo info{"zemax", "Zemax tabular BSDF"};
+  MeasuredInfo info;
   info.description = header.source;
   std::vector<LatticeRow> rows;
   rows.reserve(channels[0].size());

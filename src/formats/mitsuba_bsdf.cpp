@@ -1,3 +1,4 @@
+#include "formats/measured_demo.h"
 #include "formats/mitsuba_reader.h"
 #include "formats/xml_values.h"
 
@@ -135,6 +136,8 @@ MaterialPtr Reader::read_model(const xml::Node& node, const Model& model) {
       read_parameter(node, parameter, *material);
   finish(node, model.descriptor.param_names());
   complete_metal(*material->parameters, node.where);
+  if (const ParamInfo* file = model.descriptor.file())
+    material->parameters->load_file(position(node, file->name));
   material->parameters->check(node.where);
   return material;
 }
@@ -162,6 +165,12 @@ void Reader::read_parameter(const xml::Node& node, const ParamInfo& parameter,
     break;
   case ParamKind::metal:
     read_metal(node, parameter, values);
+    break;
+  case ParamKind::file:
+    values.set(parameter.name, is_demo(node.get_string(parameter.name))
+                                   ? node.get_string(parameter.name)
+                                   : node.get_file(parameter.name).string(),
+               position(node, parameter.name));
     break;
   }
 }
@@ -249,6 +258,8 @@ int Reader::material_number(const MaterialNode& material) {
   if (material.parameters) {
     const std::string& name = material.parameters->model().name();
     append(key, name.data(), name.size());
+    std::string file = material.parameters->file_name();
+    append(key, file.data(), file.size());
     append(key, material.parameters->slots().data(), material.parameters->slots().size());
     append(key, material.parameters->choices().data(), material.parameters->choices().size());
   }

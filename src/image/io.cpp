@@ -35,10 +35,6 @@ bool is_alpha(const std::string& name) {
   return name == "A" || name.ends_with(".A");
 }
 
-codec::Decoded load(const fs::path& path) {
-  return codec::decode(codec::read_file(path), path.string());
-}
-
 /// Turns stored integers into linear floats by a table: 256 or 65536 entries, instead of a power
 /// per texel.
 template <class Stored>
@@ -189,11 +185,15 @@ float Bitmap::linear(int x, int y, int channel) const {
 }
 
 Bitmap read_bitmap(const fs::path& path) {
-  return load(path).bitmap;
+  return codec::decode(codec::read_file(path), path.string()).bitmap;
 }
 
 Image read_image(const fs::path& path) {
-  codec::Decoded in = load(path);
+  return decode_image(codec::read_file(path), path.string());
+}
+
+Image decode_image(std::span<const std::uint8_t> file, const std::string& name) {
+  codec::Decoded in = codec::decode(file, name);
   const Bitmap& bitmap = in.bitmap;
   Image out;
   out.width = bitmap.width, out.height = bitmap.height;

@@ -5,6 +5,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
+#include <string>
 #include <vector>
 
 namespace faceta {
@@ -25,6 +27,9 @@ namespace faceta {
 /// Error with the file's name: missing, unknown, malformed, truncated, too large, deep data,
 /// sub-sampled channels (but for luminance-chroma), CMYK.
 Image read_image(const std::filesystem::path& path);
+
+/// The same for the bytes of a file; `name` is for messages.
+Image decode_image(std::span<const std::uint8_t> file, const std::string& name);
 
 /// Reads the same files with the storage they have. Integers of PNG and JPEG are always taken as
 /// sRGB-encoded, whatever a gAMA chunk says: the rule of Mitsuba's `bitmap` texture.

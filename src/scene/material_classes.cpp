@@ -1,6 +1,7 @@
 #include "scene/materials.h"
 
 #include <algorithm>
+#include <set>
 
 namespace faceta {
 
@@ -37,8 +38,9 @@ void MaterialStore::build(Isa isa) {
     tables_.resize(tables_.size() + kLanePadding);
     number_roots();
   }
-  for (ProgramView& view : program_views_)
-    view.tables = tables_.data();
+  for (size_t k = 0; k < programs_.size(); ++k)
+    program_views_[k].tables =
+        programs_[k].file ? programs_[k].file->values.data() : tables_.data();
 }
 
 void MaterialStore::number_roots() {
@@ -76,8 +78,12 @@ void MaterialStore::number_roots() {
 size_t MaterialStore::bytes() const {
   size_t total = tables_.size() * 4 + weights_.size() * sizeof(WeightView) +
                  leaves_.size() * sizeof(LeafView) + roots_.size() * sizeof(RootView);
-  for (const Program& p : programs_)
+  std::set<const FileTables*> files;
+  for (const Program& p : programs_) {
+    if (p.file && files.insert(p.file.get()).second)
+      total += p.file->values.size() * 4;
     total += (p.records.size() + p.textures.size()) * 4;
+  }
   return total;
 }
 

@@ -182,7 +182,7 @@ std::pair<int, int> MaterialStore::add_record(const MaterialNode& node,
 int MaterialStore::find_program(const Model& model, const Record& record,
                                 const std::vector<std::pair<int, int>>& slots,
                                 const SourcePosition& where) {
-  auto [at, fresh] = program_index_.try_emplace({&model, record.choices, slots},
+  auto [at, fresh] = program_index_.try_emplace({&model, record.choices, slots, record.file.get()},
                                                 static_cast<int>(programs_.size()));
   if (!fresh)
     return at->second;
@@ -193,6 +193,7 @@ int MaterialStore::find_program(const Model& model, const Record& record,
   Program program;
   program.model = &model;
   program.choices = record.choices;
+  program.file = record.file;
   program.stride = static_cast<int>(record.slots.size());
   for (auto [slot, count] : slots) {
     program.slots.push_back({slot, count});

@@ -29,7 +29,7 @@ public:
   size_t bytes() const;
 
 private:
-  /// A model with its choices and textured slots; a row per parameter set.
+  /// A model with its choices, file and textured slots; a row per parameter set.
   struct Program {
     const Model* model = nullptr;
     std::vector<int32_t> choices;
@@ -37,10 +37,12 @@ private:
     uint64_t textured = 0;
     int stride = 0, rows = 0;
     std::vector<float> records;
+    std::shared_ptr<const FileTables> file;
     std::vector<int32_t> textures;
   };
   using ProgramKey =
-      std::tuple<const Model*, std::vector<int32_t>, std::vector<std::pair<int, int>>>;
+      std::tuple<const Model*, std::vector<int32_t>, std::vector<std::pair<int, int>>,
+                 const FileTables*>;
 
   /// Where in a tree flatten() is.
   struct Place {

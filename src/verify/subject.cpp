@@ -162,6 +162,18 @@ Sensitivity ulp_sensitivity(const Subject& subject, const Vec3<float>& wo, const
     }
     x = kept;
   };
+  auto turn = [&](Vec3<double>& w) {
+    Vec3<double> kept = w;
+    for (double way : {-0x1p-23, 0x1p-23}) {
+      w.z = std::max(kept.z + way, 0x1p-149);
+      compare();
+    }
+    w = kept;
+  };
+  if (subject.traits().of_angles) {
+    turn(query.wo);
+    turn(query.wi);
+  }
   for (double* x : {&query.wo.x, &query.wo.y, &query.wo.z, &query.wi.x, &query.wi.y, &query.wi.z})
     nudge(*x);
   for (int k : subject.parameter_numbers())

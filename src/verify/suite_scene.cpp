@@ -81,7 +81,7 @@ private:
   void add_model(const MaterialNode& node, const std::string& id, const std::string& holder) {
     const Parameters& p = *node.parameters;
     std::string name = name_of(node, id, holder);
-    auto key = std::make_tuple(&p.model(), p.slots(), p.choices());
+    auto key = std::make_tuple(&p.model(), p.slots(), p.choices(), p.file_name());
     auto [known, is_new] = by_parameters_.try_emplace(key, name);
     for (const auto& [parameter, texture] : node.textures)
       notes_.push_back(fmt::format("{}: {} is a texture; verified with its mean, {}", name,
@@ -123,7 +123,8 @@ private:
   std::map<const MaterialNode*, std::string> ids_;
   std::set<const MaterialNode*> seen_;
   std::set<std::string> names_;
-  std::map<std::tuple<const Model*, std::vector<double>, std::vector<int32_t>>, std::string>
+  std::map<std::tuple<const Model*, std::vector<double>, std::vector<int32_t>, std::string>,
+           std::string>
       by_parameters_;
   std::map<std::string, std::vector<std::string>> equal_;
   std::map<std::string, std::string> by_text_; ///< of trees

@@ -143,8 +143,9 @@ inline void expect_valid(const MeasuredGrid& grid) {
     ASSERT_FALSE(axis.nodes.empty());
     for (size_t i = 1; i < axis.nodes.size(); ++i)
       EXPECT_LT(axis.nodes[i - 1], axis.nodes[i]);
-    if (axis.period > 0)
+    if (axis.period > 0) {
       EXPECT_LT(axis.nodes.back(), axis.nodes.front() + axis.period);
+    }
     cells *= axis.nodes.size();
   }
   ASSERT_EQ(grid.rgb.size(), 3 * cells);

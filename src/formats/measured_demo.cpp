@@ -1,0 +1,165 @@
+#include "formats/measured_demo.h"
+
+#include <cmath>
+#include <limits>
+#include <tbb/parallel_for.h>
+
+namespace faceta {
+
+namespace {
+
+constexpr const char* kPrefix = "demo:";
+
+MeasuredAxis even(int n, double degrees, double period = 0) {
+  MeasuredAxis axis;
+  axis.period = period * kPi / 180;
+  for (int k = 0; k < n; ++k)
+    axis.nodes.push_back(degrees * k / (period > 0 ? n : n - 1) * kPi / 180);
+  return axis;
+}
+
+/// Inclinations, denser towards the normal; the square root of the angle is even.
+MeasuredAxis rooted(int n) {
+  MeasuredAxis axis;
+  axis.square_root = true;
+  for (int k = 0; k < n; ++k)
+    axis.nodes.push_back(std::pow(double(k) / (n - 1), 2) * 0.5 * kPi);
+  return axis;
+}
+
+struct Demo {
+  const char* name;
+  const char* model;
+  Settings settings;
+  MeasuredGrid grid;
+};
+
+const std::vector<Demo>& demos() {
+  using C = MeasuredCoordinates;
+  static const std::vector<Demo> list = {
+      {"plastic",
+       "roughplastic",
+       {{"diffuse_reflectance", "0.1,0.27,0.6"}, {"alpha", "0.15"}},
+       {C::half_difference, {rooted(64), even(31, 90), even(36, 180, 180)}, {}}},
+      {"metal",
+       "roughconductor",
+       {{"material", "Cu"}, {"alpha", "0.3"}},
+       {C::relative, {even(31, 90), even(46, 90), even(37, 180)}, {}}},
+      {"brushed",
+       "roughconductor",
+       {{"material", "Al"}, {"alpha_u", "0.5"}, {"alpha_v", "0.25"}},
+       {C::absolute, {even(13, 90), even(24, 360, 360), even(19, 90), even(36, 360, 360)}, {}}},
+      {"gloss",
+       "roughplastic",
+       {{"diffuse_reflectance", "0.5,0.1,0.05"}, {"alpha", "0.3"}},
+       {C::specular, {even(16, 90), rooted(40), even(25, 180)}, {}}},
+  };
+  return list;
+}
+
+Vec3<double> from_angles(double theta, double phi) {
+  return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
+}
+
+/// v turned by `angle` about z.
+Vec3<double> about_z(const Vec3<double>& v, double angle) {
+  double c = std::cos(angle), s = std::sin(angle);
+  return {c * v.x - s * v.y, s * v.x + c * v.y, v.z};
+}
+Vec3<double> about_y(const Vec3<double>& v, double angle) {
+  double c = std::cos(angle), s = std::sin(angle);
+  return {c * v.x + s * v.z, v.y, c * v.z - s * v.x};
+}
+
+} // namespace
+
+bool is_demo(const std::string& name) {
+  return name.rfind(kPrefix, 0) == 0;
+}
+
+std::vector<std::string> demo_names() {
+  std::vector<std::string> names;
+  for (const Demo& demo : demos())
+    names.push_back(std::string(kPrefix) + demo.name);
+  return names;
+}
+
+bool directions_of(MeasuredCoordinates coordinates, const double* a, Vec3<double>& wo,
+                   Vec3<double>& wi) {
+  using C = MeasuredCoordinates;
+  switch (coordinates) {
+  case C::half_difference: {
+    Vec3<double> h = from_angles(a[0], 0);
+    wi = about_y(from_angles(a[1], a[2]), a[0]);
+    wo = reflect(wi, h);
+    break;
+  }
+  case C::relative:
+    wi = from_angles(a[0], 0);
+    wo = from_angles(a[1], a[2]);
+    break;
+  case C::relative_rotated:
+    wi = from_angles(a[0], a[1]);
+    wo = from_angles(a[2], a[1] + a[3]);
+    break;
+  case C::absolute:
+    wi = from_angles(a[0], a[1]);
+    wo = from_angles(a[2], a[3]);
+    break;
+  case C::specular:
+  case C::specular_rotated: {
+    bool rotated = coordinates == C::specular_rotated;
+    double phi = rotated ? a[1] : 0, radial = a[rotated ? 2 : 1], azimuth = a[rotated ? 3 : 2];
+    wi = from_angles(a[0], phi);
+    wo = about_z(about_y(from_angles(radial, azimuth), a[0]), phi + kPi);
+    break;
+  }
+  }
+  return wi.z > 1e-9 && wo.z > 1e-9;
+}
+
+void tabulate(const Parameters& material, MeasuredGrid& grid) {
+  const Record record = material.record();
+  size_t count[4] = {1, 1, 1, 1};
+  for (size_t k = 0; k < grid.axes.size(); ++k)
+    count[k] = grid.axes[k].nodes.size();
+  grid.rgb.resize(3 * count[0] * count[1] * count[2] * count[3]);
+  tbb::parallel_for(size_t(0), count[0] * count[1], [&](size_t row) {
+    double angles[4] = {};
+    float* out = &grid.rgb[3 * row * count[2] * count[3]];
+    for (size_t rest = 0; rest < count[2] * count[3]; ++rest, out += 3) {
+      size_t index[4] = {row / count[1], row % count[1], rest / count[3], rest % count[3]};
+      for (size_t k = 0; k < grid.axes.size(); ++k)
+        angles[k] = grid.axes[k].nodes[index[k]];
+      Vec3<double> wo, wi;
+      if (!directions_of(grid.coordinates, angles, wo, wi)) {
+        out[0] = out[1] = out[2] = std::numeric_limits<float>::quiet_NaN();
+        continue;
+      }
+      Color<double> value = material.model().eval(record, {wo, wi}).value;
+      for (int c = 0; c < 3; ++c)
+        out[c] = static_cast<float>(value[c] / wi.z);
+    }
+  });
+}
+
+MeasuredFile measured_demo(const std::string& name, const MeasuredOptions& options) {
+  const Demo* demo = nullptr;
+  for (const Demo& d : demos())
+    if (kPrefix + std::string(d.name) == name)
+      demo = &d;
+  if (!demo)
+    throw Error("there is no demonstration of that name", {name}, suggestion(name, demo_names()));
+  if (options.format != "auto")
+    throw Error("a demonstration is of no format", {name}, "leave 'format' out");
+  MeasuredFile file;
+  MeasuredGrid grid = demo->grid;
+  tabulate(make_parameters(demo->model, demo->settings), grid);
+  file.info.format = "demo";
+  file.info.title = "a table of Faceta's own model " + std::string(demo->model);
+  file.info.cells = int64_t(grid.rgb.size() / 3);
+  file.data = std::move(grid);
+  return file;
+}
+
+} // namespace faceta

@@ -1,0 +1,26 @@
+#pragma once
+
+/// Tables made of Faceta's own models, under names that begin with "demo:": what tests, the gallery
+/// and first steps use where no measured file is at hand.
+
+#include "bsdf/measured_data.h"
+#include "bsdf/registry.h"
+
+namespace faceta {
+
+bool is_demo(const std::string& name);
+/// "demo:plastic", ...
+std::vector<std::string> demo_names();
+/// Error with a suggestion if there is none of that name.
+MeasuredFile measured_demo(const std::string& name, const MeasuredOptions& options = {});
+
+/// The values of a material at all nodes of a grid whose coordinates and axes are given: f_r of
+/// what it reflects from the front, without delta lobes. Nodes that belong to directions below the
+/// surface become holes.
+void tabulate(const Parameters& material, MeasuredGrid& grid);
+
+/// The directions that coordinates stand for; false if one of them is below the surface.
+bool directions_of(MeasuredCoordinates coordinates, const double* angles, Vec3<double>& wo,
+                   Vec3<double>& wi);
+
+} // namespace faceta

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "bsdf/file_tables.h"
+#include "bsdf/measured_data.h"
+
+namespace faceta {
+
+/// Lets materials load files of measured reflectance (set_file_loader): what programs call once,
+/// before they read scenes or make such materials.
+///
+/// A file stays in memory once while any material uses it, and is read again when it has changed.
+/// Names of the form demo:NAME are tables made by Faceta itself (measured_demo.h).
+void load_measured_files();
+
+/// The options that the parameters of the model `measured` give.
+MeasuredOptions measured_options(const Parameters& parameters);
+
+/// Reads the file of that name, or makes the demonstration.
+MeasuredFile read_measured_or_demo(const std::string& name, const MeasuredOptions& options);
+
+} // namespace faceta
