@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -26,6 +27,11 @@ public:
     for (size_t i = 0; i < order_.size(); ++i)
       order_[i] = static_cast<int32_t>(i);
     build(0, order_.size(), 0);
+    for (size_t i = 0; i < points_.size(); ++i)
+      for (int k = 0; k < D; ++k) {
+        least_[k] = i == 0 ? points_[i][k] : std::min(least_[k], points_[i][k]);
+        most_[k] = i == 0 ? points_[i][k] : std::max(most_[k], points_[i][k]);
+      }
   }
 
   const std::vector<Point>& points() const { return points_; }
@@ -35,8 +41,14 @@ public:
   std::span<Neighbour> nearest(const Point& at, std::span<Neighbour> nearest,
                                int32_t leave_out = -1) const {
     Query query{at, nearest, 0, leave_out};
+    Point offsets{};
+    double distance2 = 0;
+    for (int k = 0; k < D; ++k) {
+      offsets[k] = at[k] - std::clamp(at[k], least_[k], most_[k]);
+      distance2 += offsets[k] * offsets[k];
+    }
     if (!nearest.empty())
-      visit(query, 0, order_.size(), 0);
+      visit(query, 0, order_.size(), 0, offsets, distance2);
     std::sort_heap(nearest.begin(), nearest.begin() + static_cast<ptrdiff_t>(query.found));
     return nearest.first(query.found);
   }
@@ -63,19 +75,27 @@ private:
     build(middle + 1, last, next);
   }
 
-  void visit(Query& query, size_t first, size_t last, int axis) const {
+  /// `offsets` lead from the box of the points of the range to the query, `distance2` is their
+  /// square (Arya and Mount 1993): far from all points, single axes would exclude next to nothing.
+  void visit(Query& query, size_t first, size_t last, int axis, const Point& offsets,
+             double distance2) const {
     if (first >= last)
       return;
     size_t middle = first + (last - first) / 2;
-    const Point& point = points_[order_[middle]];
     offer(query, order_[middle]);
-    double offset = query.at[axis] - point[axis];
+    double offset = query.at[axis] - points_[order_[middle]][axis];
     int next = (axis + 1) % D;
-    auto left = [&] { visit(query, first, middle, next); };
-    auto right = [&] { visit(query, middle + 1, last, next); };
-    offset < 0 ? left() : right();
-    if (query.found < query.heap.size() || offset * offset <= query.heap.front().distance2)
-      offset < 0 ? right() : left();
+    auto descend = [&](bool left, const Point& to, double d2) {
+      left ? visit(query, first, middle, next, to, d2)
+           : visit(query, middle + 1, last, next, to, d2);
+    };
+    descend(offset < 0, offsets, distance2);
+    Point beyond = offsets;
+    beyond[axis] = std::abs(offset) > std::abs(offsets[axis]) ? offset : offsets[axis];
+    double further = distance2 - offsets[axis] * offsets[axis] + beyond[axis] * beyond[axis];
+    // rounding of the difference must not exclude a neighbour
+    if (query.found < query.heap.size() || further * (1 - 1e-12) <= query.heap.front().distance2)
+      descend(!(offset < 0), beyond, further);
   }
 
   void offer(Query& query, int32_t index) const {
@@ -100,6 +120,7 @@ private:
 
   std::vector<Point> points_;
   std::vector<int32_t> order_;
+  Point least_{}, most_{};
 };
 
 } // namespace faceta

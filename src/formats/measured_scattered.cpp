@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 // Leave-one-out errors on the Cornell paints are lowest about here and flat in both.
-constexpr int kNeighbours[2] = {12, 24};
+constexpr int kNeighbours[2] = {10, 24};
 constexpr double kDifferenceScale = 0.5;
 constexpr double kSamePoint = 1e-5;
 
@@ -183,7 +183,7 @@ private:
     }
     // a small pull of the slopes to zero: neighbours in a plane leave one of them open
     for (int i = 1; i < N; ++i)
-      a[i][i] += 0.01 * weights;
+      a[i][i] += 1e-4 * weights;
     Color log = solve_first<N>(a, b);
     const double slack = std::log(1.3);
     for (int c = 0; c < 3; ++c)
@@ -282,8 +282,8 @@ MeasuredGrid grid_from_samples(std::span<const MeasuredSample> samples, bool iso
   };
   if (isotropic) {
     grid.coordinates = MeasuredCoordinates::half_difference;
-    grid.axes = {nodes(90, kPi / 2, 0, true), nodes(31, kPi / 2, 0, false),
-                 nodes(36, kPi, kPi, false)};
+    grid.axes = {nodes(90, kPi / 2, 0, true), nodes(46, kPi / 2, 0, false),
+                 nodes(48, kPi, kPi, false)};
   } else {
     grid.coordinates = MeasuredCoordinates::relative_rotated;
     grid.axes = {nodes(16, kPi / 2, 0, false), nodes(18, 2 * kPi, 2 * kPi, false),

@@ -1,7 +1,7 @@
 #pragma once
 
-/// What the tests of readers of measured reflectance share: an evaluation of grids and trees written
-/// from the words of measured_data.h, an analytic surface, and errors with their places.
+/// What the tests of readers of measured reflectance share: an evaluation of grids and trees
+/// written from the words of measured_data.h, an analytic surface, and errors with their places.
 
 #include "formats/measured_reader.h"
 
@@ -87,8 +87,8 @@ inline std::array<double, 3> grid_value(const MeasuredGrid& grid, std::vector<do
     } else if (k + 1 == axes) {
       a = std::abs(std::remainder(a, 2 * kPi));
     }
-    size_t next = static_cast<size_t>(
-        std::upper_bound(axis.nodes.begin(), axis.nodes.end(), a) - axis.nodes.begin());
+    size_t next = static_cast<size_t>(std::upper_bound(axis.nodes.begin(), axis.nodes.end(), a) -
+                                      axis.nodes.begin());
     auto bend = [&](double x) { return axis.square_root ? std::sqrt(std::max(0.0, x)) : x; };
     if (next == axis.nodes.size() && axis.period > 0) {
       node[k] = {next - 1, 0};

@@ -26,9 +26,9 @@ std::string csv_grid(const std::string& header, double unit) {
   for (double ti : {0.0, 30.0, 60.0, 80.0})
     for (double to : {0.0, 20.0, 45.0, 75.0})
       for (int dphi = 0; dphi <= 180; dphi += 30)
-        text += fmt::format(
-            "{},{},{},{},{}\n", ti * unit, 40 * unit, to * unit, (dphi + 40) * unit,
-            model(spherical(ti * kDegree, 0), spherical(to * kDegree, dphi * kDegree)));
+        text +=
+            fmt::format("{},{},{},{},{}\n", ti * unit, 40 * unit, to * unit, (dphi + 40) * unit,
+                        model(spherical(ti * kDegree, 0), spherical(to * kDegree, dphi * kDegree)));
   return text;
 }
 
@@ -251,9 +251,9 @@ TEST(MeasuredCuret, materials_by_number_and_three_files_as_one) {
     for (int material = 1; material <= 2; ++material) {
       tables[c] += fmt::format("{}  ", material);
       for (const CuretDirections& d : curet_directions())
-        tables[c] += fmt::format("  {:.5f}", material * (c + 1) *
-                                                 model(spherical(d.theta_i, d.phi_i),
-                                                       spherical(d.theta_o, d.phi_o)));
+        tables[c] += fmt::format(
+            "  {:.5f}", material * (c + 1) *
+                            model(spherical(d.theta_i, d.phi_i), spherical(d.theta_o, d.phi_o)));
       tables[c] += " \n";
     }
   MeasuredOptions second;
@@ -320,9 +320,10 @@ TEST(MeasuredZemax, lobes_about_the_mirror_direction) {
 }
 
 TEST(MeasuredZemax, colours_and_rotations) {
-  std::string text = "Symmetry ASymmetrical4D\nSpectralContent XYZ\nScatterType BRDF\n"
-                     "SampleRotation 3\n0 120 240\nAngleOfIncidence 1\n40\nScatterAzimuth 2\n0 180\n"
-                     "ScatterRadial 2\n0 90\n";
+  std::string text =
+      "Symmetry ASymmetrical4D\nSpectralContent XYZ\nScatterType BRDF\n"
+      "SampleRotation 3\n0 120 240\nAngleOfIncidence 1\n40\nScatterAzimuth 2\n0 180\n"
+      "ScatterRadial 2\n0 90\n";
   const char* names[] = {"TristimulusX", "TristimulusY", "TristimulusZ"};
   const double white[] = {0.950456, 1, 1.089058};
   for (int c = 0; c < 3; ++c) {
@@ -371,8 +372,9 @@ TEST(MeasuredLighttools, light_comes_from_ninety_degrees) {
 }
 
 TEST(MeasuredAlta, half_angle_grids_and_cosines) {
-  std::string text = "#ALTA BEGIN HEADER\n#DIM 3 3\n#PARAM_IN RUSIN_TH_TD_PD\n#PARAM_OUT RGB_COLOR\n"
-                     "#ALTA END HEADER\n";
+  std::string text =
+      "#ALTA BEGIN HEADER\n#DIM 3 3\n#PARAM_IN RUSIN_TH_TD_PD\n#PARAM_OUT RGB_COLOR\n"
+      "#ALTA END HEADER\n";
   for (double h : {0.0, 0.2, 0.9, 1.5})
     for (double d : {0.0, 0.7, 1.5})
       for (int p = 0; p < 6; ++p)
@@ -426,18 +428,18 @@ TEST(MeasuredAlta, directions_of_every_parametrisation) {
     std::string rows;
     size_t dimension = 0;
     for (int i = 0; i < 1500; ++i) {
-      Dir l = spherical(1.3 * std::fmod(i * 0.618, 1), 0), v = spherical(1.3 * (i % 97) / 97, i * 2.4);
+      Dir l = spherical(1.3 * std::fmod(i * 0.618, 1), 0),
+          v = spherical(1.3 * (i % 97) / 97, i * 2.4);
       std::vector<double> x = angles(name, l, v);
       dimension = x.size();
       for (double a : x)
         rows += fmt::format("{} ", a);
       rows += fmt::format("{}\n", model(l, v) * l.z);
     }
-    MeasuredFile file =
-        parse_measured(fmt::format("#DIM {} 1\n#PARAM_IN {}\n#PARAM_OUT "
-                                   "INV_STERADIAN_COSINE_FACTOR\n{}",
-                                   dimension, name, rows),
-                       "d.alta");
+    MeasuredFile file = parse_measured(fmt::format("#DIM {} 1\n#PARAM_IN {}\n#PARAM_OUT "
+                                                   "INV_STERADIAN_COSINE_FACTOR\n{}",
+                                                   dimension, name, rows),
+                                       "d.alta");
     EXPECT_EQ(file.info.symmetries[0], "isotropic");
     EXPECT_EQ(file.info.cells, 1500);
     double mean = 0;
@@ -521,7 +523,8 @@ TEST(MeasuredText, says_what_is_wrong_with_tables_of_optics_and_where) {
   expect_error(zemax + "TIS 1\n1 2 3\n", 11, 1, "but the file ends");
   expect_error(zemax + "1 2 3 4\n", 9, 1, "'TIS' expected");
   expect_error(zemax + "TIS 1 1 2 3 4 5\n", 9, 15, "more values");
-  expect_error("ScatterAzimuth 1\n0\nAngleOfIncidence 1\n30\nMonochrome\n", 4, 1, "Symmetry is missing");
+  expect_error("ScatterAzimuth 1\n0\nAngleOfIncidence 1\n30\nMonochrome\n", 4, 1,
+               "Symmetry is missing");
   expect_error("ScatterType BTDF\nScatterAzimuth 1\n0\nAngleOfIncidence 1\n30\n", 1, 13, "BTDF");
   expect_error("ScatterAzimuth 100000\n0\nAngleOfIncidence 1\n30\n", 1, 16, "from 1 to 4096");
   expect_error("AngleOfIncidence 2\n30 20\nScatterAzimuth 1\n0\n", 2, 4, "must increase");

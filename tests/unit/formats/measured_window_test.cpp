@@ -182,8 +182,8 @@ TEST(MeasuredKlems, columns_rows_and_colours) {
     EXPECT_TRUE(patches.rgb[kBackReflection].empty());
     for (int i = 0; i < 41; ++i)
       for (int o = 0; o < 41; ++o)
-        ASSERT_EQ(patches.rgb[kFrontReflection][3 * static_cast<size_t>(
-                                                        turned(patches.incident, i) * 41 + o)],
+        ASSERT_EQ(patches.rgb[kFrontReflection]
+                             [3 * static_cast<size_t>(turned(patches.incident, i) * 41 + o)],
                   static_cast<float>(1000 + 41 * i + o));
   }
   std::string ones;
