@@ -24,6 +24,7 @@ struct Header {
   const char* where_in = nullptr;
   const char* where_out = nullptr;
   const char* where_dim = nullptr;
+  const char* stream = nullptr; ///< the bytes behind #BEGIN_STREAM and its line end
 };
 
 /// A pair of directions in the order of ALTA: the viewer first.
@@ -157,6 +158,10 @@ Header read_header(TextScanner& scanner, const InputText& input) {
     } else if (key == "#SAMPLE_COUNT") {
       header.sample_count = scanner.integer("#SAMPLE_COUNT", 1, int64_t(1) << 40);
     } else if (key == "#BEGIN_STREAM") {
+      const char* end = input.text.data() + input.text.size();
+      header.stream = scanner.position();
+      header.stream += header.stream != end && *header.stream == '\r';
+      header.stream += header.stream != end && *header.stream == '\n';
       break;
     }
     // not next_line(): the bytes behind #BEGIN_STREAM are no text
@@ -203,10 +208,10 @@ Rows read_text_rows(TextScanner& scanner, const Header& header) {
 Rows read_binary_rows(TextScanner& scanner, const Header& header, const InputText& input) {
   Rows rows;
   rows.width = static_cast<size_t>(header.in + header.out * (1 + header.intervals));
-  const char* start = scanner.last() + std::strlen("#BEGIN_STREAM");
+  const char* start = header.stream;
   const char* end = input.text.data() + input.text.size();
-  start += start != end && *start == '\r';
-  start += start != end && *start == '\n';
+  if (start == nullptr)
+    throw input.error(scanner.position(), "the line #BEGIN_STREAM is missing");
   if (header.sample_count < 0)
     throw input.error_at_byte(start, "#SAMPLE_COUNT is missing");
   size_t count = static_cast<size_t>(header.sample_count);

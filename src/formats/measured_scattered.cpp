@@ -286,8 +286,8 @@ MeasuredGrid grid_from_samples(std::span<const MeasuredSample> samples, bool iso
                  nodes(48, kPi, kPi, false)};
   } else {
     grid.coordinates = MeasuredCoordinates::relative_rotated;
-    grid.axes = {nodes(16, kPi / 2, 0, false), nodes(18, 2 * kPi, 2 * kPi, false),
-                 nodes(31, kPi / 2, 0, false), nodes(36, 2 * kPi, 2 * kPi, false)};
+    grid.axes = {nodes(13, kPi / 2, 0, false), nodes(12, 2 * kPi, 2 * kPi, false),
+                 nodes(19, kPi / 2, 0, false), nodes(24, 2 * kPi, 2 * kPi, false)};
   }
   size_t rows = 1, last = grid.axes.back().nodes.size();
   for (size_t k = 0; k + 1 < grid.axes.size(); ++k)

@@ -44,7 +44,7 @@ private:
 };
 
 /// Values at the nodes of a grid: isotropic data as half_difference, 90 x 46 x 48 nodes with a
-/// square_root theta_h; other data as relative_rotated, 16 x 18 x 31 x 36. No holes: where nothing
+/// square_root theta_h; other data as relative_rotated, 13 x 12 x 19 x 24. No holes: where nothing
 /// was measured the nearest measurements are carried on. 0.3 s for a thousand samples.
 MeasuredGrid grid_from_samples(std::span<const MeasuredSample> samples, bool isotropic);
 

@@ -556,6 +556,9 @@ TEST(MeasuredText, declared_sizes_are_checked_before_memory_is_taken) {
   std::string alta = "#DIM 1 1\n#PARAM_IN COS_TH\n#PARAM_OUT INV_STERADIAN\n#FORMAT binary\n"
                      "#SAMPLE_COUNT 1000000000000\n#BEGIN_STREAM\n12345678";
   EXPECT_THROW(parse_measured(alta, "x"), Error);
+  expect_error("#DIM 1 1\n#PARAM_IN COS_TH\n#PARAM_OUT INV_STERADIAN\n#FORMAT binary\n"
+               "#SAMPLE_COUNT 2\n#BEGIN_STREAMxxxxxxxx\n1",
+               7, 1, "#BEGIN_STREAM is missing");
 }
 
 TEST(MeasuredFormats, every_name_is_told_apart) {
