@@ -30,7 +30,7 @@ template <class T> struct Measured {
                 "number that the values are multiplied with")
         .choice("format", &M::format,
                 {"auto", "merl", "rgl", "pbsdf", "utia", "ngan", "mbsdf", "cornell", "astm",
-                 "zemax", "lighttools", "alta", "klems", "tensortree", "curet", "csv"},
+                 "zemax", "lighttools", "alta", "klems", "tensortree", "curet", "tvbrdf", "csv"},
                 "what the file must be")
         .reads_file()
         .choice("merl_nodes", &M::merl_nodes, {"centers", "edges"},
