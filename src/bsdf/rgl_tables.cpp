@@ -2,6 +2,7 @@
 
 #include "bsdf/measured_build.h"
 #include "bsdf/measured_table.h"
+#include "sampling/sequence.h"
 #include "spectrum/cie.h"
 
 #include <algorithm>
@@ -31,15 +32,6 @@ Direction normal_at(const Vec2<double>& u) {
 /// Solid angle of normals for an area of the square.
 double normal_area(double x) {
   return 2 * kPi * kPi * x * std::sin(sqr(x) * kHorizon);
-}
-
-/// Point k of n of a sequence that fills the unit cube evenly (Roberts' generalised golden ratio).
-Vec3<double> even_point(int k) {
-  auto part = [&](double step) {
-    double x = 0.5 + step * (k + 1);
-    return x - std::floor(x);
-  };
-  return {part(0.8191725133961645), part(0.6710436067037893), part(0.5497004779019703)};
 }
 
 /// Numbers at the nodes of a square, bilinear in between.
