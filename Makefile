@@ -60,6 +60,7 @@ test: setup build checks
 test-peer: build
 	@python3 -B tests/peer/materials.py build/release/faceta $(PEER) || [ $$? = 77 ]
 	@python3 -B tests/peer/efficiency.py build/release/faceta || [ $$? = 77 ]
+	@python3 -B tests/peer/measured.py build/release/faceta || [ $$? = 77 ]
 
 checks:
 	.ci/check-rooms --self-test

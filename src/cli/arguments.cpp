@@ -1,6 +1,7 @@
 #include "cli/arguments.h"
 
 #include "cli/commands.h"
+#include "cli/measure_command.h"
 #include "cli/plot_command.h"
 #include "cli/render_command.h"
 #include "verify/suite.h"
@@ -401,6 +402,7 @@ Action parse_arguments(int argc, char** argv) {
   add_plot(app, action);
   add_diff(app, action);
   add_info(app, action);
+  add_measure(app, action);
   add_verify(app, action);
   add_efficiency(app, action);
   add_docs(app, action);

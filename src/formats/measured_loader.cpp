@@ -16,22 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-HugeVector<float> block_of(const MeasuredFile& file, const std::string& name) {
-  try {
-    return std::visit(
-        [&](const auto& data) -> HugeVector<float> {
-          if constexpr (requires { measured_block(data); })
-            return measured_block(data);
-          else
-            throw Error("its values transmit light or are constant over patches: not supported "
-                        "yet");
-        },
-        file.data);
-  } catch (const Error& error) {
-    throw Error(error.message(), {name}, error.hint());
-  }
-}
-
 /// What makes two loads the same: the file as it is now, and how it is read.
 std::string key_of(const std::string& name, const MeasuredOptions& o) {
   std::error_code ignored;
@@ -57,7 +41,7 @@ std::shared_ptr<const FileTables> load(const Parameters& parameters, const Sourc
   try {
     auto tables = std::make_shared<FileTables>();
     tables->name = name;
-    tables->values = block_of(read_measured(name, options), name);
+    tables->values = measured_block(read_measured(name, options), name);
     known = tables;
     return tables;
   } catch (const Error& error) {
@@ -68,6 +52,22 @@ std::shared_ptr<const FileTables> load(const Parameters& parameters, const Sourc
 }
 
 } // namespace
+
+HugeVector<float> measured_block(const MeasuredFile& file, const std::string& name) {
+  try {
+    return std::visit(
+        [&](const auto& data) -> HugeVector<float> {
+          if constexpr (requires { measured_block(data); })
+            return measured_block(data);
+          else
+            throw Error("its values transmit light or are constant over patches: not supported "
+                        "yet");
+        },
+        file.data);
+  } catch (const Error& error) {
+    throw Error(error.message(), {name}, error.hint());
+  }
+}
 
 void load_measured_files() {
   set_file_loader(load);
@@ -82,6 +82,15 @@ MeasuredOptions measured_options(const Parameters& parameters) {
   options.index = static_cast<int>(parameters.slots()[size_t(d.find("index")->slot)]);
   options.wavelength = parameters.slots()[size_t(d.find("wavelength")->slot)];
   return options;
+}
+
+MeasuredFile read_measured_or_demo(const std::string& name, const MeasuredOptions& options) {
+  if (!is_demo(name))
+    return read_measured(name, options);
+  if (options != MeasuredOptions{})
+    throw Error("a demonstration is read in one way only", {name},
+                "leave out what says how files are read");
+  return measured_demo(name);
 }
 
 } // namespace faceta

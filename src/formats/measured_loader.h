@@ -15,4 +15,11 @@ void load_measured_files();
 /// The options that the parameters of the model `measured` give.
 MeasuredOptions measured_options(const Parameters& parameters);
 
+/// Reads the file of that name, or makes the demonstration.
+MeasuredFile read_measured_or_demo(const std::string& name, const MeasuredOptions& options);
+
+/// The numbers that the renderer reads (measured_table.h), of any kind of table. Error if the
+/// renderer has none for it, with `name` as the place.
+HugeVector<float> measured_block(const MeasuredFile& file, const std::string& name);
+
 } // namespace faceta

@@ -2,6 +2,7 @@
 #include "formats/measured_common.h"
 #include "formats/measured_readers.h"
 
+#include <cstring>
 #include <fmt/format.h>
 
 namespace faceta {
@@ -87,6 +88,17 @@ void fill(MeasuredGrid& grid, const Block& block, MeasuredInfo& info) {
   info.holes = tally.holes;
 }
 
+// The row of the last inclination of the light that was measured: files repeat it up to the
+// horizon.
+size_t last_measured(const Block& block) {
+  const size_t row = block.thetas * block.phis * block.channels * sizeof(float);
+  size_t last = block.thetas - 1;
+  while (last > 0 &&
+         std::memcmp(block.values + last * row, block.values + (last - 1) * row, row) == 0)
+    --last;
+  return last > 0 ? last : block.thetas - 1; // all alike: nothing was repeated
+}
+
 } // namespace
 
 bool is_mbsdf(std::string_view bytes) {
@@ -125,7 +137,11 @@ MeasuredFile read_mbsdf(const InputText& input, const MeasuredOptions& options) 
   info.symmetries = {"isotropic", "reciprocal: f(i, o) and f(o, i) are averaged",
                      "the same for phi_o - phi_i and its negative"};
   info.cells = static_cast<int64_t>(grid.rgb.size() / 3);
-  info.largest_theta = theta.nodes.back();
+  const size_t last = last_measured(block);
+  info.largest_theta = theta.nodes[last];
+  if (last + 1 < block.thetas)
+    info.notes.push_back(fmt::format("rows of light beyond {:.1f} degrees repeat the last one",
+                                     info.largest_theta / kDegree));
   return {std::move(info), std::move(grid)};
 }
 

@@ -150,8 +150,7 @@ bool directions_of(MeasuredCoordinates coordinates, const double* a, Vec3<double
   return wi.z > 1e-9 && wo.z > 1e-9;
 }
 
-void tabulate(const Parameters& material, MeasuredGrid& grid) {
-  const Record record = material.record();
+void tabulate(const Reflectance& f, MeasuredGrid& grid) {
   size_t count[4] = {1, 1, 1, 1};
   for (size_t k = 0; k < grid.axes.size(); ++k)
     count[k] = grid.axes[k].nodes.size();
@@ -168,7 +167,7 @@ void tabulate(const Parameters& material, MeasuredGrid& grid) {
         out[0] = out[1] = out[2] = std::numeric_limits<float>::quiet_NaN();
         continue;
       }
-      Color<double> value = material.model().eval(record, {wo, wi}).value;
+      Color<double> value = f(wo, wi);
       for (int c = 0; c < 3; ++c)
         out[c] = static_cast<float>(value[c] / wi.z);
     }
@@ -184,7 +183,11 @@ MeasuredFile measured_demo(const std::string& name) {
     throw Error("there is no demonstration of that name", {name}, suggestion(name, demo_names()));
   MeasuredFile file;
   MeasuredGrid grid = demo->grid;
-  tabulate(make_parameters(demo->model, demo->settings), grid);
+  const Parameters material = make_parameters(demo->model, demo->settings);
+  const Record record = material.record();
+  tabulate([&](const Vec3<double>& wo,
+               const Vec3<double>& wi) { return material.model().eval(record, {wo, wi}).value; },
+           grid);
   file.info.format = "demo";
   file.info.title = "a table of Faceta's own model " + std::string(demo->model);
   file.info.cells = int64_t(grid.rgb.size() / 3);

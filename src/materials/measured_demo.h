@@ -5,6 +5,7 @@
 
 #include "bsdf/measured_data.h"
 #include "bsdf/registry.h"
+#include "bsdf/rgl_tables.h"
 
 namespace faceta {
 
@@ -19,10 +20,9 @@ std::vector<std::string> demo_names();
 /// Error with a suggestion if there is none of that name.
 MeasuredFile measured_demo(const std::string& name);
 
-/// The values of a material at all nodes of a grid whose coordinates and axes are given: f_r of
-/// what it reflects from the front, without delta lobes. Nodes that belong to directions below the
-/// surface become holes.
-void tabulate(const Parameters& material, MeasuredGrid& grid);
+/// f_r at all nodes of a grid whose coordinates and axes are given. Nodes that belong to directions
+/// below the surface become holes.
+void tabulate(const Reflectance& f, MeasuredGrid& grid);
 
 /// The directions that coordinates stand for; false if one of them is below the surface.
 bool directions_of(MeasuredCoordinates coordinates, const double* angles, Vec3<double>& wo,
