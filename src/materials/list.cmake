@@ -13,5 +13,6 @@ faceta_add_material_modules(builtin
     materials/ward.h:Ward
     materials/plastic.h:Plastic
     materials/roughplastic.h:RoughPlastic
+    materials/hazygloss.h:HazyGloss
   EXTRA ${FACETA_RENDER_KERNELS}
   LIBS embree)
