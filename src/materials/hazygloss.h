@@ -61,13 +61,13 @@ template <class T> struct HazyGloss {
                 "exponent p of its Fresnel curve; 5 is Schlick's")
         .scalar("gloss_alpha", &M::gloss_alpha, {0, 1}, {0.001, 1}, "RMS slope",
                 "roughness of the gloss; at least 0.001")
-        .number("gloss_tail", &M::gloss_tail, {1.05, 100}, {1.2, 10}, "",
+        .number("gloss_tail", &M::gloss_tail, {1.05, 100}, {1.05, 30}, "",
                 "exponent g of its distribution of slopes; 2 is GGX")
-        .number("gloss_along", &M::gloss_along, {-2, 2}, {-1, 1}, "",
+        .number("gloss_along", &M::gloss_along, {-2, 2}, {-1.5, 1.5}, "",
                 "exponent a of its width in the plane of incidence")
-        .number("gloss_across", &M::gloss_across, {-2, 2}, {-1, 1}, "",
+        .number("gloss_across", &M::gloss_across, {-2, 2}, {-1.5, 1.5}, "",
                 "exponent b of its width across the plane of incidence")
-        .number("gloss_masking", &M::gloss_masking, {0, 4}, {0, 2}, "",
+        .number("gloss_masking", &M::gloss_masking, {0, 4}, {0, 3}, "",
                 "exponent q of what a layer above it absorbs at grazing angles");
   }
   template <class D> static FACETA_INLINE void describe_haze(D& d) {
@@ -78,13 +78,13 @@ template <class T> struct HazyGloss {
                 "exponent p of the haze's Fresnel curve")
         .scalar("haze_alpha", &M::haze_alpha, {0, 1}, {0.001, 1}, "RMS slope",
                 "roughness of the haze; at least 0.001")
-        .number("haze_tail", &M::haze_tail, {1.05, 100}, {1.2, 10}, "",
+        .number("haze_tail", &M::haze_tail, {1.05, 100}, {1.05, 30}, "",
                 "exponent g of the haze's distribution of slopes")
-        .number("haze_along", &M::haze_along, {-2, 2}, {-1, 1}, "",
+        .number("haze_along", &M::haze_along, {-2, 2}, {-1.5, 1.5}, "",
                 "exponent a of the haze's width in the plane of incidence")
-        .number("haze_across", &M::haze_across, {-2, 2}, {-1, 1}, "",
+        .number("haze_across", &M::haze_across, {-2, 2}, {-1.5, 1.5}, "",
                 "exponent b of the haze's width across the plane of incidence")
-        .number("haze_masking", &M::haze_masking, {0, 4}, {0, 2}, "",
+        .number("haze_masking", &M::haze_masking, {0, 4}, {0, 3}, "",
                 "exponent q of what a layer above the haze absorbs");
   }
 
