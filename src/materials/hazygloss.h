@@ -148,15 +148,15 @@ template <class T> struct HazyGloss {
     auto above = (wo.z > T(1e-18)) & (wi.z > T(1e-18));
     Pair pair(wo, wi);
     Choice p = choice(wo);
-    Eval<T> e;
-    T cosine = wi.z * T(kInvPi);
-    e.value = diffuse_reflectance * cosine;
-    e.pdf = p.diffuse * cosine;
-    add(e, gloss(), pair, wo, wi, p.gloss);
-    add(e, haze(), pair, wo, wi, p.haze);
-    e.value = e.value.map([&](const T& v) { return select(above, v, T(0)); });
-    e.pdf = select(above, e.pdf, T(0));
-    return e;
+    T pdf = fma(p.gloss, Proposal(gloss(), wo).pdf(pair),
+                fma(p.haze, Proposal(haze(), wo).pdf(pair), p.diffuse * wi.z * T(kInvPi)));
+    Color<T> value = reflected(pair, wo, wi);
+    return {value.map([&](const T& v) { return select(above, v, T(0)); }),
+            select(above, pdf, T(0))};
+  }
+  /// The value of eval() alone, of directions above the surface: what a fit needs.
+  FACETA_INLINE Color<T> value(const Vec3<T>& wo, const Vec3<T>& wi) const {
+    return reflected(Pair(wo, wi), wo, wi);
   }
 
   FACETA_INLINE Sample<T> sample(const Vec3<T>& wo, const Random<T>& random,
@@ -269,20 +269,23 @@ private:
     return f * exp((T(2) * l.masking - l.along - l.across) * log(c));
   }
 
-  FACETA_INLINE static void add(Eval<T>& e, const Lobe& l, const Pair& p, const Vec3<T>& wo,
-                                const Vec3<T>& wi, const T& probability) {
-    T core = (l.tail - T(1)) * sqr(l.alpha);
+  FACETA_INLINE Color<T> reflected(const Pair& pair, const Vec3<T>& wo, const Vec3<T>& wi) const {
+    return diffuse_reflectance * (wi.z * T(kInvPi)) + lobe(gloss(), pair, wo, wi) +
+           lobe(haze(), pair, wo, wi);
+  }
+  FACETA_INLINE static Color<T> lobe(const Lobe& l, const Pair& p, const Vec3<T>& wo,
+                                     const Vec3<T>& wi) {
+    T alpha2 = sqr(l.alpha), core = (l.tail - T(1)) * alpha2;
     T s = fma(p.along2, exp(T(2) * l.along * p.log_c), p.across2 * exp(T(2) * l.across * p.log_c));
-    T d = exp(l.masking * p.log_cosines - l.tail * log(T(1) + s / core)) * sqr(p.length2 / p.z2) *
-          T(kInvPi) / sqr(l.alpha);
-    T value = d * wi.z / (projected(l.alpha, wo.z) * projected(l.alpha, wi.z));
+    T d = exp(l.masking * p.log_cosines - l.tail * log(T(1) + s / core)) *
+          (sqr(p.length2 / p.z2) * T(kInvPi));
+    T value = d * wi.z / (projected(alpha2, wo.z) * projected(alpha2, wi.z) * alpha2);
     T rise = exp(l.fresnel * p.log_rise);
-    e.value += (l.normal + (l.grazing - l.normal) * rise) * value;
-    e.pdf = fma(probability, Proposal(l, wo).pdf(p), e.pdf);
+    return (l.normal + (l.grazing - l.normal) * rise) * value;
   }
   /// 2 cos / G1.
-  FACETA_INLINE static T projected(const T& alpha, const T& z) {
-    return z + sqrt(fma(z, z, sqr(alpha) * max(T(1) - z * z, T(0))));
+  FACETA_INLINE static T projected(const T& alpha2, const T& z) {
+    return z + sqrt(fma(z, z, alpha2 * max(T(1) - z * z, T(0))));
   }
 };
 

@@ -15,7 +15,7 @@ namespace faceta {
 namespace {
 
 /// Rows of the searches from many starts and of the last one.
-constexpr size_t kCoarseRows = 1500, kFineRows = 5000;
+constexpr size_t kCoarseRows = 1000, kFineRows = 3000;
 
 double bic_of(double cost, size_t rows, int parameters) {
   double n = 3.0 * double(rows);
@@ -46,26 +46,22 @@ public:
     double bic;
   };
 
-  /// The best of several starts, on few rows.
+  /// The best of several starts, on few rows: a few steps from all, more from the better two.
   Try coarse(const std::string& name, int lobes) {
     FitModel model(name, lobes);
-    FitSolution best;
-    for (const std::vector<double>& alphas : starts(lobes)) {
-      FitSolution s = solve_fit(model, coarse_, start_fit(model, coarse_, alphas, metric_),
-                                {metric_, 40, threads_});
-      iterations_ += s.iterations;
-      if (best.x.empty() || s.cost < best.cost)
-        best = s;
-    }
+    std::vector<FitSolution> list;
+    for (const FitStart& start : starts(lobes))
+      list.push_back(search(model, coarse_, start_fit(model, coarse_, start, metric_), 12, 1e-3));
+    auto less = [](const FitSolution& a, const FitSolution& b) { return a.cost < b.cost; };
+    std::sort(list.begin(), list.end(), less);
+    for (size_t i = 0; i < std::min<size_t>(2, list.size()); ++i)
+      list[i] = search(model, coarse_, list[i].x, 40, 1e-5);
+    FitSolution best = *std::min_element(list.begin(), list.end(), less);
     double bic = bic_of(best.cost, data_.rows.size(), model.size());
     return {std::move(model), std::move(best), bic};
   }
 
-  FitSolution fine(const Try& t) {
-    FitSolution s = solve_fit(t.model, fine_, t.best.x, {metric_, 100, threads_});
-    iterations_ += s.iterations;
-    return s;
-  }
+  FitSolution fine(const Try& t) { return search(t.model, fine_, t.best.x, 150, 2e-6); }
   int iterations() const { return iterations_; }
 
 private:
@@ -75,13 +71,20 @@ private:
   FitMetric metric_;
   int threads_, iterations_ = 0;
 
-  std::vector<std::vector<double>> starts(int lobes) const {
-    double a = alpha_;
+  FitSolution search(const FitModel& model, const FitData& data, const std::vector<double>& x,
+                     int iterations, double tolerance) {
+    FitSolution s = solve_fit(model, data, x, {metric_, iterations, tolerance, threads_});
+    iterations_ += s.iterations;
+    return s;
+  }
+  std::vector<FitStart> starts(int lobes) const {
+    double a = alpha_, wide = std::min(3 * a, 0.9);
     if (lobes == 1)
-      return {{a}, {0.3 * a}, {std::min(2 * a, 0.9)}};
+      return {{{a}}, {{0.3 * a}}, {{std::min(2 * a, 0.9)}}};
     if (lobes == 2)
-      return {{0.7 * a, std::min(3 * a, 0.9)}, {0.3 * a, a}, {a, a}, {0.01, 0.15}};
-    return {{0.4 * a, a, std::min(3 * a, 0.9)}, {0.01, 0.05, 0.3}, {0.2 * a, 0.5 * a, 0.4}};
+      return {{{0.7 * a, wide}}, {{0.3 * a, a}},       {{a, a}},
+              {{0.01, 0.15}},    {{0.7 * a, a}, true}, {{a, 0.3 * a}, true}};
+    return {{{0.4 * a, a, wide}}, {{0.01, 0.05, 0.3}}, {{0.7 * a, a, wide}, true}};
   }
 };
 

@@ -40,6 +40,15 @@ M<T> load(const Record& record, const std::vector<double>& slots, const std::vec
   return m;
 }
 
+/// The value of eval(), without the density where the model offers that.
+template <class T, class M>
+Color<T> value_of(const M& m, const Vec3<double>& wo, const Vec3<double>& wi) {
+  if constexpr (requires(const Vec3<T>& w) { m.value(w, w); })
+    return m.value(convert<T>(wo), convert<T>(wi));
+  else
+    return m.eval(convert<T>(wo), convert<T>(wi), {}).value;
+}
+
 /// N derivatives a pass: as many as the model usually wants.
 template <template <class> class M, int N>
 void evaluate(const Record& record, const std::vector<double>& slots,
@@ -48,9 +57,9 @@ void evaluate(const Record& record, const std::vector<double>& slots,
   if (!derivatives) {
     M<double> m = load<M, double>(record, slots, active, 0, 0);
     for (size_t i = 0; i < rows.size(); ++i) {
-      Eval<double> e = m.eval(rows[i].wo, rows[i].wi, {});
+      Color<double> value = value_of<double>(m, rows[i].wo, rows[i].wi);
       for (int c = 0; c < 3; ++c)
-        values[3 * i + size_t(c)] = e.value[c];
+        values[3 * i + size_t(c)] = value[c];
     }
     return;
   }
@@ -59,12 +68,12 @@ void evaluate(const Record& record, const std::vector<double>& slots,
   for (size_t first = 0; first == 0 || first < n; first += N) {
     M<J> m = load<M, J>(record, slots, active, first, N);
     for (size_t i = 0; i < rows.size(); ++i) {
-      Eval<J> e = m.eval(convert<J>(rows[i].wo), convert<J>(rows[i].wi), {});
+      Color<J> value = value_of<J>(m, rows[i].wo, rows[i].wi);
       for (int c = 0; c < 3; ++c) {
         size_t at = 3 * i + size_t(c);
-        values[at] = e.value[c].a;
+        values[at] = value[c].a;
         for (size_t k = 0; k < N && first + k < n; ++k)
-          derivatives[at * n + first + k] = e.value[c].v[int(k)];
+          derivatives[at * n + first + k] = value[c].v[int(k)];
       }
     }
   }

@@ -153,7 +153,7 @@ void FitModel::add(FitTerm term, const std::vector<std::string>& held) {
 std::vector<double> FitModel::start() const {
   std::vector<double> x;
   for (const FitParameter& p : parameters_)
-    x.push_back(p.transform.inverse(p.start));
+    x.push_back(std::clamp(p.transform.inverse(p.start), -3.0, 3.0));
   x.resize(size_t(size()), 0.0);
   return x;
 }

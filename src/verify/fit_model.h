@@ -58,7 +58,8 @@ public:
   /// f_r cos theta_i, three per row; and d/dx, size() per value, unless null.
   void evaluate(const State& state, std::span<const FitRow> rows, double* values,
                 double* derivatives) const;
-  /// The first values of the free numbers: the parameters' starts, equal shares.
+  /// The first values of the free numbers: the parameters' defaults, but off the ends of their
+  /// ranges, where nothing has a slope; equal shares.
   std::vector<double> start() const;
   /// The k-th term's parameters as settings, the fixed ones included.
   Settings settings(const State& state, size_t term) const;

@@ -158,7 +158,7 @@ FitSolution solve_fit(const FitModel& model, const FitData& data, const std::vec
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = search.iterations;
-  options.function_tolerance = 1e-6;
+  options.function_tolerance = search.tolerance;
   options.num_threads = search.threads;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
@@ -168,16 +168,20 @@ FitSolution solve_fit(const FitModel& model, const FitData& data, const std::vec
   return solution;
 }
 
-std::vector<double> start_fit(const FitModel& model, const FitData& data,
-                              const std::vector<double>& alphas, FitMetric metric) {
+std::vector<double> start_fit(const FitModel& model, const FitData& data, const FitStart& start,
+                              FitMetric metric) {
   std::vector<double> x = model.start();
   size_t lobe = 0;
   for (size_t j = 0; j < model.parameters().size(); ++j) {
     const FitParameter& p = model.parameters()[j];
     bool is_alpha = p.name.size() >= 5 && p.name.compare(p.name.size() - 5, 5, "alpha") == 0;
+    if (start.coated && p.name == "gloss_across")
+      x[j] = p.transform.inverse(1);
+    if (start.coated && p.name == "gloss_masking")
+      x[j] = p.transform.inverse(1.5);
     if (!is_alpha && p.name != "exponent")
       continue;
-    double alpha = alphas[std::min(lobe++, alphas.size() - 1)];
+    double alpha = start.alphas[std::min(lobe++, start.alphas.size() - 1)];
     x[j] = p.transform.inverse(is_alpha ? alpha : 2 / sqr(alpha));
   }
   std::vector<size_t> colours = linear_colours(model);

@@ -14,6 +14,7 @@ struct FitSolution {
 struct FitSearch {
   FitMetric metric = FitMetric::log;
   int iterations = 50;
+  double tolerance = 1e-6; ///< relative fall of the cost at which to stop
   int threads = 1;
 };
 
@@ -37,10 +38,17 @@ private:
   std::vector<double> scale_, wanted_; ///< per row; per value
 };
 
-/// Starting numbers: widths of the lobes `alphas` (as many as there are lobes), and the colours
-/// that fit best to those, channel by channel (variable projection).
-std::vector<double> start_fit(const FitModel& model, const FitData& data,
-                              const std::vector<double>& alphas, FitMetric metric);
+/// Where a search begins.
+struct FitStart {
+  std::vector<double> alphas; ///< widths of the lobes, as many as there are
+  /// The first lobe lies under a clear coat: rounder highlights, less light at grazing angles.
+  bool coated = false;
+};
+
+/// Starting numbers: the lobes' widths, and the colours that fit best to those, channel by channel
+/// (variable projection).
+std::vector<double> start_fit(const FitModel& model, const FitData& data, const FitStart& start,
+                              FitMetric metric);
 
 /// The roughness that the peak's width at small theta_d suggests: alpha of a GGX lobe.
 double guess_alpha(const FitData& data);
