@@ -1,8 +1,8 @@
 #include "formats/measured_audit.h"
 
 #include "formats/measured_common.h"
-#include "materials/measured_demo.h"
 #include "formats/reflector.h"
+#include "materials/measured_demo.h"
 #include "spectrum/cie.h"
 
 #include <algorithm>

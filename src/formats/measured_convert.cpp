@@ -2,10 +2,10 @@
 
 #include "formats/measured_common.h"
 #include "formats/measured_csv_writer.h"
-#include "materials/measured_demo.h"
 #include "formats/measured_merl.h"
 #include "formats/measured_rgl.h"
 #include "formats/reflector.h"
+#include "materials/measured_demo.h"
 
 #include <algorithm>
 #include <cmath>

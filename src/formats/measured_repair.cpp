@@ -2,8 +2,8 @@
 
 #include "formats/measured_common.h"
 #include "formats/measured_convert.h"
-#include "materials/measured_demo.h"
 #include "formats/reflector.h"
+#include "materials/measured_demo.h"
 #include "sampling/warp.h"
 
 #include <algorithm>

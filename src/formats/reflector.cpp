@@ -1,8 +1,8 @@
 #include "formats/reflector.h"
 
 #include "formats/material_docs.h"
-#include "materials/measured_demo.h"
 #include "formats/measured_loader.h"
+#include "materials/measured_demo.h"
 
 #include <filesystem>
 
