@@ -483,11 +483,9 @@ private:
     for (int k = 0; k < samples; ++k) {
       Direction o = direction(theta, phis[size_t(k % around)]);
       Vec3<double> e = even_point(k);
-      Direction wi = table.sample(o, {{e.x, e.y}, e.z});
-      if (wi.z <= 0)
-        continue;
-      Eval<double> made = table.eval(o, wi);
-      if (made.pdf <= 0)
+      Eval<double> made;
+      Direction wi = table.sample(o, {{e.x, e.y}, e.z}, made);
+      if (wi.z <= 0 || made.pdf <= 0)
         continue;
       Rgb wanted = rgb_of(f_(o, wi)), got = rgb_of(made.value);
       apart += std::abs(luminance(got) - luminance(wanted)) / made.pdf;
