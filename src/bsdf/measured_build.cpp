@@ -330,9 +330,12 @@ std::vector<float> viewer_inclinations(const MeasuredGrid& grid) {
 
 class SamplerBuilder {
 public:
-  SamplerBuilder(Block& block, const MeasuredGrid& grid)
+  /// `fine`: luminance with twice the nodes, and a viewer between each two.
+  SamplerBuilder(Block& block, const MeasuredGrid& grid, bool fine)
       : block_(block), isotropic_(grid.axes.size() == 3), theta_(viewer_inclinations(grid)),
         phi_{0} {
+    for (size_t k = 1; fine && k < theta_.size(); k += 2)
+      theta_.insert(theta_.begin() + std::ptrdiff_t(k), 0.5f * (theta_[k - 1] + theta_[k]));
     if (!isotropic_) {
       phi_.clear();
       for (int k = 0; k <= kAzimuths; ++k)
@@ -347,22 +350,26 @@ public:
     h.cosine_share = 0.05f;
     // Around the normal visible normals change slowly unless the surface is anisotropic.
     h.vndf = isotropic_ ? add_warp(block, 128, 32) : add_warp(block, 64, 64);
-    h.luminance = add_warp(block, 32, 32);
+    h.luminance = add_warp(block, fine ? 64 : 32, fine ? 64 : 32);
   }
 
-  /// Fills the warps: of several guesses at the normals those that sample best.
-  void build() {
+  /// Fills the warps: of two guesses at the normals the one that samples better. Returns the mean
+  /// variance of the weights (isotropic tables; else 0).
+  double build() {
     MeasuredTable<double> table(block_.data());
-    if (!isotropic_)
-      return fill(table, anisotropic_normals(table));
-    NormalDensity guesses[] = {isotropic_normals(table), mirroring_normals(table)};
-    fill(table, guesses[0]);
-    double variance = weight_variance(table);
-    const float* warps = block_.at(block_.header.vndf.data); // the last that was added
+    if (!isotropic_) {
+      fill(table, anisotropic_normals(table));
+      return 0;
+    }
+    fill(table, isotropic_normals(table));
+    double first_variance = weight_variance(table);
+    const float* warps = block_.at(block_.header.vndf.data); // what was added last
     std::vector<float> first(warps, warps + block_.size() - block_.header.vndf.data);
-    fill(table, guesses[1]);
-    if (variance < weight_variance(table))
+    fill(table, mirroring_normals(table));
+    double variance = weight_variance(table);
+    if (first_variance < variance)
       std::copy(first.begin(), first.end(), block_.at(block_.header.vndf.data));
+    return std::min(first_variance, variance);
   }
 
 private:
@@ -535,17 +542,21 @@ std::vector<double> normals_of_retroreflection(const std::vector<double>& given)
 }
 
 HugeVector<float> measured_block(const MeasuredGrid& grid) {
-  Block block;
-  MeasuredHeader& h = block.header;
-  h.kind = MeasuredKind::grid;
-  h.coordinates = grid.coordinates;
-  h.axes = axis_count(grid.coordinates);
-  check(grid.axes.size() == size_t(h.axes), "a grid has not the axes of its coordinates");
-  for (int k = 0; k < h.axes; ++k)
-    h.axis[k] = add_axis(block, grid.axes[size_t(k)]);
-  add_values(block, grid);
-  SamplerBuilder(block, grid).build();
-  return block.finish();
+  constexpr double kGoodVariance = 0.06; // of most files
+  for (bool fine : {false, true}) {
+    Block block;
+    MeasuredHeader& h = block.header;
+    h.kind = MeasuredKind::grid;
+    h.coordinates = grid.coordinates;
+    h.axes = axis_count(grid.coordinates);
+    check(grid.axes.size() == size_t(h.axes), "a grid has not the axes of its coordinates");
+    for (int k = 0; k < h.axes; ++k)
+      h.axis[k] = add_axis(block, grid.axes[size_t(k)]);
+    add_values(block, grid);
+    if (SamplerBuilder(block, grid, fine).build() < kGoodVariance || fine)
+      return block.finish();
+  }
+  return {};
 }
 
 HugeVector<float> measured_block(const RglTables& t) {

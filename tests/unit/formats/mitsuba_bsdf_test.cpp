@@ -192,8 +192,13 @@ TEST(MitsubaBsdf, ModelsOfOurOwn) {
                 ->parameters->text("variant"),
             "ward-duer");
   for (const std::string& name : Registry::global().names()) {
-    auto plain = read_bsdf("type='" + name + "'>");
-    EXPECT_EQ(plain->parameters->slots(), Parameters(Registry::global().get(name)).slots());
+    const Model& model = Registry::global().get(name);
+    const ParamInfo* file = model.descriptor.file();
+    std::string setting = file ? "<string name='" + file->name + "' value='" +
+                                     model.descriptor.exemplars[0].settings[0].second + "'/>"
+                               : "";
+    auto plain = read_bsdf("type='" + name + "'>" + setting);
+    EXPECT_EQ(plain->parameters->slots(), Parameters(model).slots());
   }
 }
 

@@ -41,8 +41,8 @@ TEST(MitsubaScene, EveryPluginOfTheContractIsReadOrNamed) {
   // Plugins of the scene contract that this version does not read: tag and names.
   const std::vector<std::pair<std::string, std::vector<std::string>>> missing = {
       {"bsdf",
-       {"pplastic", "principled", "principledthin", "hair", "measured", "measured_polarized",
-        "normalmap", "bumpmap", "polarizer", "retarder", "circular"}},
+       {"pplastic", "principled", "principledthin", "hair", "normalmap", "bumpmap", "polarizer",
+        "retarder", "circular"}},
       {"texture", {"mesh_attribute", "volume"}},
       {"spectrum", {"blackbody"}},
       {"shape",
