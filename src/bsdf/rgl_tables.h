@@ -6,6 +6,7 @@
 #include "bsdf/bsdf.h"
 #include "bsdf/measured_data.h"
 
+#include <algorithm>
 #include <functional>
 
 namespace faceta {

@@ -128,7 +128,8 @@ public:
     const size_t around = isotropic ? 1 : 4;
     rays_.resize(kAngles * around);
     tbb::parallel_for(size_t(0), rays_.size(), [&](size_t k) {
-      double theta = std::min(0.5 * kPi - 1e-3, 0.5 * kPi * double(k / around) / (kAngles - 1));
+      // At the horizon itself a cosine in the denominator says nothing of the data.
+      double theta = std::min(88 * kDegree, 0.5 * kPi * double(k / around) / (kAngles - 1));
       collect(f, sampler, direction_of(theta, double(k % around) * 0.25 * kPi), rays_[k]);
     });
     scale_.assign(kAngles, 1);

@@ -5,7 +5,7 @@
 
 #include "bsdf/measured_data.h"
 #include "bsdf/registry.h"
-#include "sampling/sequence.h"
+#include "sampling/even_point.h"
 
 namespace faceta {
 

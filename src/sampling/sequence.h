@@ -5,8 +5,6 @@
 
 #include "base/vec.h"
 
-#include <cmath>
-
 namespace faceta {
 
 /// A bijective mixing of 32 bits ("lowbias32" of Wellons' hash-prospector search).
@@ -84,15 +82,5 @@ template <class T> struct SampleStream {
     return {unit_float<T>(reverse_bits(x)), unit_float<T>(reverse_bits(y))};
   }
 };
-
-/// Point k of a sequence that fills the unit cube evenly: multiples of powers of the real root of
-/// x^4 = x + 1 (Roberts' generalised golden ratio).
-inline Vec3<double> even_point(int k) {
-  auto part = [&](double step) {
-    double x = 0.5 + step * (k + 1);
-    return x - std::floor(x);
-  };
-  return {part(0.8191725133961645), part(0.6710436067037893), part(0.5497004779019703)};
-}
 
 } // namespace faceta

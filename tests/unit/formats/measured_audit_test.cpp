@@ -88,7 +88,7 @@ TEST_F(MeasuredAuditTest, NonReciprocityIsMeasured) {
       auto cosine = [&](int k) { return low + (1 - low) * (k + 0.5) / n; };
       mean += std::abs(std::log((1 + cosine(i)) / (1 + cosine(j)))) / (n * n);
     }
-  EXPECT_NEAR(audit.reciprocity.mean, mean, 0.01 * mean);
+  EXPECT_NEAR(audit.reciprocity.mean, mean, 0.003 * mean);
   EXPECT_NEAR(audit.reciprocity.largest, std::log(2 / (1 + low)), 0.06);
   for (const MeasuredAudit::Angle& a : audit.angles)
     EXPECT_NEAR(a.albedo[1], 5.0 / 6, 3e-3);
@@ -166,7 +166,7 @@ TEST_F(MeasuredAuditTest, MaxThetaKeepsTheHalfVector) {
   Repaired mended = repaired(table_of(of_half), "half", {.symmetrise = false, .max_theta = 60});
   const Direction wo = direction_of(80 * kDegree, 0), wi = direction_of(75 * kDegree, 3.0);
   Reflectance plain = repaired(table_of(of_half), "half", {.symmetrise = false}).value;
-  EXPECT_NEAR(mended.value(wo, wi)[0], plain(wo, wi)[0], 0.02 * plain(wo, wi)[0]);
+  EXPECT_NEAR(mended.value(wo, wi)[0], plain(wo, wi)[0], 0.05 * plain(wo, wi)[0]);
   EXPECT_THROW(repaired(table_of(of_half), "half", {.max_theta = 95}), Error);
 }
 
