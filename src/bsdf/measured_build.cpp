@@ -570,6 +570,9 @@ HugeVector<float> measured_block(const RglTables& t) {
   h.phi_nodes = block.add(t.phi_i);
   h.sectors =
       h.phis == 1 ? 1 : static_cast<int32_t>(std::lround(2 * kPi / (t.phi_i.back() - t.phi_i[0])));
+  double middle = 0.5 * (double(t.phi_i.front()) + double(t.phi_i.back()));
+  h.sector_x = std::cos(middle) < 0 ? -1.0f : 1.0f;
+  h.sector_y = std::sin(middle) < 0 ? -1.0f : 1.0f;
   check(h.sectors == 1 || h.sectors == 2 || h.sectors == 4,
         "its azimuths span neither the circle nor a half nor a quarter of it");
   h.vndf = add_file_warp(block, t.vndf, t.vndf_size);

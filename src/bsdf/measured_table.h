@@ -49,6 +49,7 @@ struct MeasuredHeader {
   int32_t phis, thetas;           ///< viewers, at least two inclinations; one phi: isotropic
   int32_t phi_nodes, theta_nodes; ///< where they are
   int32_t sectors;                ///< phis span one of that many like parts of the circle
+  float sector_x, sector_y;       ///< signs of the components of directions in that part
   Warp vndf, luminance;
   float cosine_share;
 
@@ -331,8 +332,9 @@ private:
   FACETA_INLINE Vec2<T> sector(const Vec3<T>& wo) const {
     if (h_.sectors < 2)
       return {T(1), T(1)};
-    T y = copysign(T(1), wo.y);
-    return {h_.sectors == 4 ? copysign(T(1), wo.x) : y, y};
+    T y = copysign(T(1), wo.y) * T(h_.sector_y);
+    T x = copysign(T(1), wo.x) * T(h_.sector_x);
+    return {h_.sectors == 4 ? x : y, y};
   }
   static FACETA_INLINE Vec3<T> mirrored(const Vec3<T>& w, const Vec2<T>& signs) {
     return {w.x * signs.x, w.y * signs.y, w.z};

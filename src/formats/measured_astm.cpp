@@ -39,7 +39,7 @@ MeasuredFile read_astm(const InputText& input, const MeasuredOptions& options) {
 
   scanner.word();
   const char* header = scanner.last();
-  MeasuredTable table;
+  MeasuredRows table;
   std::vector<std::string> names;
   std::vector<int> columns;
   std::vector<const char*> where;

@@ -21,7 +21,7 @@ bool parse_wavelength(std::string_view name, double& nm) {
 
 } // namespace
 
-void name_value_columns(MeasuredTable& table, const std::vector<std::string>& names,
+void name_value_columns(MeasuredRows& table, const std::vector<std::string>& names,
                         const std::vector<int>& columns, const std::vector<const char*>& where,
                         const InputText& input) {
   auto find = [&](std::string_view a, std::string_view b, std::string_view c) {
@@ -65,7 +65,7 @@ void name_value_columns(MeasuredTable& table, const std::vector<std::string>& na
   }
 }
 
-MeasuredFile read_table_rows(TextScanner& scanner, const MeasuredTable& table, MeasuredInfo info,
+MeasuredFile read_table_rows(TextScanner& scanner, const MeasuredRows& table, MeasuredInfo info,
                              const InputText& input, const MeasuredOptions& options,
                              const char* header, int64_t declared_rows) {
   MeasuredColors colors(table.colors, options, input, header);
@@ -84,16 +84,16 @@ MeasuredFile read_table_rows(TextScanner& scanner, const MeasuredTable& table, M
     if (!scanner.at_line_end())
       throw input.error(scanner.position(),
                         fmt::format("the row has more than {} numbers", table.columns));
-    auto angle = [&](MeasuredTable::Angle a) {
+    auto angle = [&](MeasuredRows::Angle a) {
       return table.column[a] < 0 ? 0.0 : row[table.column[a]] * table.unit[a];
     };
-    MeasuredSample s{angle(MeasuredTable::kThetaI),
-                     angle(MeasuredTable::kPhiI),
-                     angle(MeasuredTable::kThetaO),
+    MeasuredSample s{angle(MeasuredRows::kThetaI),
+                     angle(MeasuredRows::kPhiI),
+                     angle(MeasuredRows::kThetaO),
                      0,
                      {}};
-    s.phi_o = table.column[MeasuredTable::kDphi] >= 0 ? s.phi_i + angle(MeasuredTable::kDphi)
-                                                      : angle(MeasuredTable::kPhiO);
+    s.phi_o = table.column[MeasuredRows::kDphi] >= 0 ? s.phi_i + angle(MeasuredRows::kDphi)
+                                                     : angle(MeasuredRows::kPhiO);
     fold_polar_angle(s.theta_i, s.phi_i, input, where, "theta_i");
     fold_polar_angle(s.theta_o, s.phi_o, input, where, "theta_o");
     for (size_t k = 0; k < values.size(); ++k)

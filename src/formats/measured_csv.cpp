@@ -13,7 +13,7 @@ namespace {
 constexpr const char* kHint = "theta_i,phi_i,theta_o,phi_o,value";
 
 /// Takes "theta_i_rad" apart; false if the name is no angle's.
-bool read_angle_name(std::string name, MeasuredTable::Angle& angle, double& unit) {
+bool read_angle_name(std::string name, MeasuredRows::Angle& angle, double& unit) {
   unit = std::numbers::pi / 180;
   if (name.ends_with("_rad"))
     unit = 1;
@@ -23,7 +23,7 @@ bool read_angle_name(std::string name, MeasuredTable::Angle& angle, double& unit
   auto found = std::find(std::begin(names), std::end(names), name);
   if (found == std::end(names))
     return false;
-  angle = static_cast<MeasuredTable::Angle>(found - std::begin(names));
+  angle = static_cast<MeasuredRows::Angle>(found - std::begin(names));
   return true;
 }
 
@@ -51,13 +51,13 @@ MeasuredFile read_brdf_csv(const InputText& input, const MeasuredOptions& option
   TextScanner scanner(input);
   scanner.at_end();
   const char* header = scanner.position();
-  MeasuredTable table;
+  MeasuredRows table;
   std::vector<std::string> names;
   std::vector<int> columns;
   std::vector<const char*> where;
   for (; !scanner.at_line_end(); ++table.columns) {
     std::string name(scanner.word());
-    MeasuredTable::Angle angle;
+    MeasuredRows::Angle angle;
     double unit = 1;
     if (table.columns > 2000)
       throw scanner.error("the header names more than 2000 columns");
@@ -72,9 +72,9 @@ MeasuredFile read_brdf_csv(const InputText& input, const MeasuredOptions& option
       table.unit[angle] = unit;
     }
   }
-  bool has_azimuth = table.column[MeasuredTable::kPhiO] >= 0;
-  bool has_dphi = table.column[MeasuredTable::kDphi] >= 0;
-  if (table.column[MeasuredTable::kThetaI] < 0 || table.column[MeasuredTable::kThetaO] < 0)
+  bool has_azimuth = table.column[MeasuredRows::kPhiO] >= 0;
+  bool has_dphi = table.column[MeasuredRows::kDphi] >= 0;
+  if (table.column[MeasuredRows::kThetaI] < 0 || table.column[MeasuredRows::kThetaO] < 0)
     throw input.error(header, "the columns theta_i and theta_o must be there", kHint);
   if (has_azimuth == has_dphi)
     throw input.error(header, "exactly one of the columns phi_o and dphi must be there", kHint);
