@@ -272,6 +272,9 @@ void add_gallery(CLI::App& app, Action& action) {
   auto options = std::make_shared<RenderOptions>();
   CLI::App* sub = app.add_subcommand("gallery", "Render the contact sheet of all materials");
   sub->footer("Without -o the picture is gallery.png.");
+  sub->add_option("--measured", options->measured,
+                  "show these files of measured reflectance instead of all materials")
+      ->type_name("FILE");
   add_picture_options(*sub, *options);
   add_sampling_options(*sub, *options);
   sub->callback([=, &action] {

@@ -1,6 +1,7 @@
 #include "cli/gallery.h"
 
-#include "formats/mitsuba_scene.h"
+#include "formats/material_xml.h"
+#include "formats/measured_loader.h"
 #include "render/render.h"
 
 #include <cmath>
@@ -99,6 +100,22 @@ Gallery read_gallery() {
     return read_gallery_json(json::parse(file), folder);
   } catch (const json::exception& e) {
     throw Error(e.what(), {path.string()});
+  }
+}
+
+void show_measured(Gallery& gallery, const std::vector<std::string>& files) {
+  constexpr size_t kColumns = 7;
+  const std::string scene = gallery.rows.at(0).cells.at(0).scene;
+  gallery.title = "Measured";
+  gallery.rows.clear();
+  for (size_t k = 0; k < files.size(); ++k) {
+    if (k % kColumns == 0)
+      gallery.rows.push_back({"", "", {}});
+    MeasuredInfo info = read_measured_or_demo(files[k], {}).info;
+    std::string material = write_material(make_parameters("measured", {{"filename", files[k]}}));
+    material.erase(0, material.find("<bsdf"));
+    gallery.rows.back().cells.push_back(
+        {fs::path(files[k]).stem().string(), info.format, material, scene, gallery.spp});
   }
 }
 

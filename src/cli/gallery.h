@@ -41,6 +41,9 @@ struct Gallery {
 /// source tree of a build. Error if there is none or it is malformed.
 Gallery read_gallery();
 
+/// Shows files of measured reflectance in its rows instead.
+void show_measured(Gallery& gallery, const std::vector<std::string>& files);
+
 /// The <bsdf> of a cell.
 xml::NodePtr cell_material(const GalleryCell& cell);
 

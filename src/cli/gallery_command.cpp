@@ -35,7 +35,10 @@ int run_gallery(const RenderOptions& options) {
   for (const std::string& output : options.outputs)
     if (!can_write_image(output))
       throw Error("no writer for this ending", {output}, "known: .exr, .png, .pfm, .hdr");
-  Image sheet = render_sheet(read_gallery(), options);
+  Gallery gallery = read_gallery();
+  if (!options.measured.empty())
+    show_measured(gallery, options.measured);
+  Image sheet = render_sheet(gallery, options);
   for (const std::string& output : options.outputs) {
     if (fs::path(output).has_parent_path())
       fs::create_directories(fs::path(output).parent_path());

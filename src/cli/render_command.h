@@ -28,6 +28,7 @@ struct RenderOptions {
   std::string variance;                   ///< EXR file for the variance of the mean; empty: none
   int tile = 0;                           ///< pixels a side; 0: chosen
   bool permissive = false;                ///< warn of what the scene's plugins do not know
+  std::vector<std::string> measured;      ///< of `gallery`: these files instead
   int verbosity = 0;                      ///< -1: quiet, 1: verbose
 };
 
