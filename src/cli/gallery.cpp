@@ -113,7 +113,8 @@ void show_measured(Gallery& gallery, const std::vector<std::string>& files) {
       gallery.rows.push_back({"", "", {}});
     MeasuredInfo info = read_measured_or_demo(files[k], {}).info;
     std::string material = write_material(make_parameters("measured", {{"filename", files[k]}}));
-    material.erase(0, material.find("<bsdf"));
+    material =
+        "<bsdf" + material.substr(material.find(" type=")); // without declaration and version
     gallery.rows.back().cells.push_back(
         {fs::path(files[k]).stem().string(), info.format, material, scene, gallery.spp});
   }
