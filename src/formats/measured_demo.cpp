@@ -1,5 +1,6 @@
 #include "formats/measured_demo.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <tbb/parallel_for.h>
@@ -57,6 +58,28 @@ const std::vector<Demo>& demos() {
   return list;
 }
 
+const std::vector<std::string>& cell_demos() {
+  static const std::vector<std::string> names = {"demo:shade", "demo:tree3", "demo:tree4"};
+  return names;
+}
+
+MeasuredFile cell_demo(const std::string& name) {
+  MeasuredFile file;
+  file.info.format = "demo";
+  file.info.title = "a window made by Faceta itself";
+  if (name == "demo:shade") {
+    MeasuredPatches patches = demo_patches();
+    file.info.cells = 4 * int64_t(patches.incident.size()) * patches.outgoing.size();
+    file.data = std::move(patches);
+    return file;
+  }
+  MeasuredTree tree = demo_tree(name == "demo:tree3" ? 3 : 4);
+  for (const std::vector<float>& rgb : tree.rgb)
+    file.info.cells += int64_t(rgb.size() / 3);
+  file.data = std::move(tree);
+  return file;
+}
+
 Vec3<double> from_angles(double theta, double phi) {
   return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
 }
@@ -81,7 +104,13 @@ std::vector<std::string> demo_names() {
   std::vector<std::string> names;
   for (const Demo& demo : demos())
     names.push_back(std::string(kPrefix) + demo.name);
+  names.insert(names.end(), cell_demos().begin(), cell_demos().end());
   return names;
+}
+
+bool is_cell_demo(const std::string& name) {
+  const std::vector<std::string>& names = cell_demos();
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 bool directions_of(MeasuredCoordinates coordinates, const double* a, Vec3<double>& wo,
@@ -148,11 +177,13 @@ MeasuredFile measured_demo(const std::string& name, const MeasuredOptions& optio
   for (const Demo& d : demos())
     if (kPrefix + std::string(d.name) == name)
       demo = &d;
-  if (!demo)
+  if (!demo && !is_cell_demo(name))
     throw Error("there is no demonstration of that name", {name}, suggestion(name, demo_names()));
   if (options != MeasuredOptions{})
     throw Error("a demonstration is read in one way only", {name},
                 "leave out what says how files are read");
+  if (!demo)
+    return cell_demo(name);
   MeasuredFile file;
   MeasuredGrid grid = demo->grid;
   tabulate(make_parameters(demo->model, demo->settings), grid);

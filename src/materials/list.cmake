@@ -14,5 +14,6 @@ faceta_add_material_modules(builtin
     materials/plastic.h:Plastic
     materials/roughplastic.h:RoughPlastic
     materials/measured.h:Measured
+    materials/measuredwindow.h:MeasuredWindow
   EXTRA ${FACETA_RENDER_KERNELS}
   LIBS embree)
