@@ -2,6 +2,7 @@
 
 #include "formats/measured_merl.h"
 #include "formats/measured_readers.h"
+#include "formats/measured_text_formats.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -10,6 +11,17 @@ namespace faceta {
 
 const std::vector<MeasuredFormat>& measured_formats() {
   static const std::vector<MeasuredFormat> formats = {
+      // Text, told by its words.
+      {"cornell", "Cornell gonioreflectometer (pbrt-v2 text)", is_cornell, read_cornell},
+      {"astm", "ASTM E1392 (Cornell)", is_astm, read_astm},
+      {"zemax", "Zemax tabular BSDF", is_zemax, read_zemax},
+      {"lighttools", "LightTools BSDF", is_lighttools, read_lighttools},
+      {"alta", "ALTA (Inria)", is_alta, read_alta},
+      {"klems", "Klems matrices (Radiance and LBNL Window XML)", is_klems, read_window_xml},
+      {"tensortree", "tensor tree (Radiance XML)", is_tensor_tree, read_window_xml},
+      {"curet", "CUReT (Dana et al. 1999)", is_curet, read_curet},
+      {"tvbrdf", "time-varying BRDF (Gu et al. 2006)", is_tvbrdf, read_tvbrdf},
+      {"csv", "comma-separated values", is_brdf_csv, read_brdf_csv},
       // Binary. Those without a first word come last: they are told by sizes that fit.
       {"pbsdf", "KAIST polarised BRDF (Baek et al. 2020)", is_pbsdf, read_pbsdf},
       {"rgl", "RGL adaptive parametrisation (Dupuy and Jakob 2018)", is_rgl, read_rgl},
