@@ -1,5 +1,6 @@
 #include "bsdf/bsdf.h"
 #include "formats/measured_demo.h"
+#include "formats/measured_window.h"
 #include "sampling/warp.h"
 
 #include <algorithm>
@@ -31,13 +32,6 @@ std::array<double, 3> value_at(MeasuredPass pass, Vec3<double> wi, Vec3<double> 
   wi.z = from_back ? -wi.z : wi.z;
   wo.z = from_back != through ? -wo.z : wo.z;
   return demo_window(pass, wi, wo);
-}
-
-KlemsBasis full_basis() {
-  KlemsBasis basis{{}, {1, 8, 16, 20, 24, 24, 24, 16, 12}};
-  for (double degrees : {0, 5, 15, 25, 35, 45, 55, 65, 75, 90})
-    basis.theta.push_back(degrees * kPi / 180);
-  return basis;
 }
 
 /// The middle of each cell by projected solid angle.
@@ -128,7 +122,8 @@ std::array<double, 3> demo_window(MeasuredPass pass, const Vec3<double>& wi,
 }
 
 MeasuredPatches demo_patches() {
-  MeasuredPatches patches{full_basis(), full_basis(), {}};
+  const KlemsBasis& basis = klems_bases().at("lbnl/klems full");
+  MeasuredPatches patches{basis, basis, {}};
   const std::vector<Vec3<double>> directions = middles(patches.incident);
   for (int pass = 0; pass < 4; ++pass)
     for (const Vec3<double>& wi : directions)
