@@ -5,7 +5,8 @@
 ///
 /// Light is sampled by a table: for each cell of viewers the probabilities of the cells of light,
 /// uniform in projected solid angle inside them. Klems matrices (Klems 1994) have their own cells,
-/// so that samples follow the values exactly; for tensor trees (Ward et al. 2012) it has squares.
+/// so that samples follow the values exactly; for tensor trees (Ward et al. 2012) it has squares,
+/// inside which samples of trees of rank 4 go on by the means of what is below a branch.
 
 #include "bsdf/measured_data.h"
 #include "bsdf/measured_table.h"
@@ -34,9 +35,11 @@ struct MeasuredCellsHeader {
   /// number of its block of children or, if negative, -1 - the number of its colour.
   int32_t depth;
   int32_t nodes[4], colors[4];
+  int32_t means[4]; ///< tree4: of the brightness below each node, in the order of the nodes
 
   /// Sampling.
   int32_t side;    ///< trees: squares of light along an edge
+  int32_t fine;    ///< tree4: levels below those squares
   int32_t viewers; ///< cells; for tree3 rings of equal width in the sine
   int32_t lights;  ///< cells on one side of the surface
   int32_t sums; ///< [side of the viewer][viewer][2 lights + 1]: probabilities of the lights before
@@ -68,15 +71,13 @@ public:
     Light light = light_of(wo, wi);
     IntOf<T> cell = light.cell + select(through, IntOf<T>(h_.lights), IntOf<T>(0));
     T cosine = abs(wi.z);
-    MeasuredRgb<T> rgb;
-    if (h_.kind == CellsKind::klems)
-      rgb = color(IntOf<T>(h_.values) + (viewer * IntOf<T>(2 * h_.lights) + cell) * IntOf<T>(3));
-    else
-      rgb = tree_color(wo, wi, through);
+    Leaf leaf{IntOf<T>(h_.values) + (viewer * IntOf<T>(2 * h_.lights) + cell) * IntOf<T>(3), T(1)};
+    if (h_.kind != CellsKind::klems)
+      leaf = leaf_of(wo, wi, through);
     Eval<T> e;
-    e.value = rgb.color() * cosine;
+    e.value = color(leaf.color).color() * cosine;
     Neighbours<T> sums = gather_pair<T>(base_ + h_.sums, first_sum(viewer) + cell);
-    e.pdf = (sums.second - sums.first) * light.inverse_area * cosine;
+    e.pdf = (sums.second - sums.first) * leaf.density * light.inverse_area * cosine;
     return e;
   }
 
@@ -88,42 +89,7 @@ public:
   /// f_r of a tree.
   FACETA_INLINE MeasuredRgb<T> tree_color(const Vec3<T>& wo, const Vec3<T>& wi,
                                           const MaskOf<T>& through) const {
-    const int dimensions = h_.kind == CellsKind::tree3 ? 3 : 4;
-    T x[4];
-    if (dimensions == 3) {
-      Vec2<T> a = azimuth(wi);
-      Vec3<T> turned_wo = turned(wo, {-a.x, a.y}); // minus the light comes to azimuth 0
-      Vec2<T> o = concentric_square(turned_wo.x, turned_wo.y);
-      x[0] = fma(T(-0.5), min(sine(wi), T(1)), T(0.5));
-      x[1] = o.x;
-      x[2] = o.y;
-    } else {
-      Vec2<T> i = concentric_square(wi.x, wi.y), o = concentric_square(wo.x, wo.y);
-      x[0] = i.x;
-      x[1] = i.y;
-      x[2] = o.x;
-      x[3] = o.y;
-    }
-    const int cells = 1 << h_.depth;
-    IntOf<T> place[4];
-    for (int d = 0; d < dimensions; ++d)
-      place[d] = min(to_int(x[d] * T(float(cells))), IntOf<T>(cells - 1));
-    auto from_back = wi.z < T(0);
-    IntOf<T> nodes = by_pass(h_.nodes, from_back, through);
-    IntOf<T> node = to_int(gather<T>(base_, nodes));
-    for (int level = h_.depth - 1; level >= 0; --level) {
-      auto leaf = node < IntOf<T>(0);
-      if (all(leaf))
-        break;
-      IntOf<T> child(1);
-      for (int d = 0; d < dimensions; ++d)
-        child = child + (((place[d] >> level) & IntOf<T>(1)) << d);
-      IntOf<T> block = select(leaf, IntOf<T>(0), node) << dimensions;
-      IntOf<T> next = to_int(gather<T>(base_, select(leaf, nodes, nodes + block + child)));
-      node = select(leaf, node, next);
-    }
-    IntOf<T> number = IntOf<T>(-1) - node;
-    return color(by_pass(h_.colors, from_back, through) + number * IntOf<T>(3));
+    return color(leaf_of(wo, wi, through).color);
   }
 
   /// A direction, with its value and density.
@@ -133,7 +99,7 @@ public:
     auto through = cell >= IntOf<T>(h_.lights);
     cell = cell - select(through, IntOf<T>(h_.lights), IntOf<T>(0));
     Vec3<T> wi = h_.kind == CellsKind::klems ? inside_ring(cell, random.u)
-                                             : inside_square(cell, random.u, wo);
+                                             : inside_square(cell, random.u, wo, through);
     auto below = (wo.z < T(0)) ^ through;
     wi.z = select(below, -wi.z, wi.z);
     e = eval(wo, wi);
@@ -172,10 +138,136 @@ private:
                   choose(kFrontReflection, kFrontTransmission));
   }
 
+  // --- Trees ---
+
+  FACETA_INLINE IntOf<T> place_of(const T& x) const {
+    const int cells = 1 << h_.depth;
+    return min(to_int(x * T(float(cells))), IntOf<T>(cells - 1));
+  }
+  static FACETA_INLINE IntOf<T> bit(const IntOf<T>& place, int level) {
+    return (place >> level) & IntOf<T>(1);
+  }
+
+  /// The probabilities of the four children for light of a branch: by their means, with a share
+  /// that bounds the weights.
+  struct Choice {
+    T p[4];
+    FACETA_INLINE Choice(const float* base, const IntOf<T>& first) {
+      Neighbours<T> low = gather_pair<T>(base, first),
+                    high = gather_pair<T>(base, first + IntOf<T>(2));
+      T sum = (low.first + low.second) + (high.first + high.second);
+      auto black = !(sum > T(0));
+      T scale = T(0.9) / select(black, T(1), sum), rest = select(black, T(0.25), T(0.025));
+      for (int k = 0; k < 4; ++k)
+        p[k] = fma(k < 2 ? (k ? low.second : low.first) : (k == 2 ? high.first : high.second),
+                   scale, rest);
+    }
+    FACETA_INLINE T of(const IntOf<T>& x, const IntOf<T>& y) const {
+      auto right = x > IntOf<T>(0);
+      return select(y > IntOf<T>(0), select(right, p[3], p[2]), select(right, p[1], p[0]));
+    }
+  };
+
+  /// A place in a tree on the way down.
+  struct Descent {
+    const int dimensions;
+    IntOf<T> nodes, means, node;
+    FACETA_INLINE Descent(const MeasuredCells& cells, const MaskOf<T>& from_back,
+                          const MaskOf<T>& through)
+        : dimensions(cells.h_.kind == CellsKind::tree3 ? 3 : 4),
+          nodes(by_pass(cells.h_.nodes, from_back, through)),
+          means(by_pass(cells.h_.means, from_back, through)),
+          node(to_int(gather<T>(cells.base_, nodes))) {}
+    FACETA_INLINE MaskOf<T> at_leaf() const { return node < IntOf<T>(0); }
+    /// The number of the first child, 1 at leaves.
+    FACETA_INLINE IntOf<T> first() const {
+      return (select(at_leaf(), IntOf<T>(0), node) << dimensions) + IntOf<T>(1);
+    }
+    FACETA_INLINE void descend(const float* base, const IntOf<T>& child) {
+      IntOf<T> next = to_int(gather<T>(base, select(at_leaf(), nodes, nodes + first() + child)));
+      node = select(at_leaf(), node, next);
+    }
+  };
+
+  struct Leaf {
+    IntOf<T> color; ///< where it is
+    T density;      ///< of light inside its square of the table, 1 for uniform
+  };
+  FACETA_INLINE Leaf leaf_of(const Vec3<T>& wo, const Vec3<T>& wi, const MaskOf<T>& through) const {
+    IntOf<T> place[4];
+    if (h_.kind == CellsKind::tree3) {
+      Vec2<T> a = azimuth(wi);
+      Vec3<T> turned_wo = turned(wo, {-a.x, a.y}); // minus the light comes to azimuth 0
+      Vec2<T> o = concentric_square(turned_wo.x, turned_wo.y);
+      place[0] = place_of(fma(T(-0.5), min(sine(wi), T(1)), T(0.5)));
+      place[1] = place_of(o.x);
+      place[2] = place_of(o.y);
+    } else {
+      Vec2<T> i = concentric_square(wi.x, wi.y), o = concentric_square(wo.x, wo.y);
+      place[0] = place_of(i.x);
+      place[1] = place_of(i.y);
+      place[2] = place_of(o.x);
+      place[3] = place_of(o.y);
+    }
+    auto from_back = wi.z < T(0);
+    Descent tree(*this, from_back, through);
+    T density(1);
+    for (int level = h_.depth - 1; level >= 0 && !all(tree.at_leaf()); --level) {
+      IntOf<T> child(0);
+      for (int d = 0; d < tree.dimensions; ++d)
+        child = child + (bit(place[d], level) << d);
+      if (level < h_.fine) {
+        IntOf<T> viewed = child - (child & IntOf<T>(3));
+        Choice choice(base_, tree.means + tree.first() + viewed);
+        T factor = T(4) * choice.of(bit(place[0], level), bit(place[1], level));
+        density = select(tree.at_leaf(), density, density * factor);
+      }
+      tree.descend(base_, child);
+    }
+    return {by_pass(h_.colors, from_back, through) + (IntOf<T>(-1) - tree.node) * IntOf<T>(3),
+            density};
+  }
+
+  /// A number inside one of two parts of the unit interval, of which `first` is the share of the
+  /// lower one, as a number of its own.
+  static FACETA_INLINE MaskOf<T> choose(T& u, const T& first, const MaskOf<T>& stay) {
+    auto upper = u >= first;
+    T inside = select(upper, (u - first) / (T(1) - first), u / first);
+    u = select(stay, u, clamp01(inside));
+    return upper;
+  }
+  /// From a square of the table down the tree to a point of the unit square.
+  FACETA_INLINE Vec2<T> refined(const IntOf<T>& column, const IntOf<T>& row, Vec2<T> u,
+                                const Vec3<T>& wo, const MaskOf<T>& through) const {
+    Vec2<T> o = concentric_square(wo.x, wo.y);
+    IntOf<T> x = column << h_.fine, y = row << h_.fine, vx = place_of(o.x), vy = place_of(o.y);
+    Descent tree(*this, (wo.z < T(0)) ^ through, through);
+    T size(float(1 << h_.fine));
+    for (int level = h_.depth - 1; level >= 0 && !all(tree.at_leaf()); --level) {
+      IntOf<T> viewed = (bit(vx, level) << 2) + (bit(vy, level) << 3);
+      if (level < h_.fine) {
+        Choice choice(base_, tree.means + tree.first() + viewed);
+        auto stay = tree.at_leaf();
+        T left = choice.p[0] + choice.p[2], all_four = left + (choice.p[1] + choice.p[3]);
+        auto right = choose(u.x, left / all_four, stay);
+        T low = select(right, choice.p[1], choice.p[0]),
+          high = select(right, choice.p[3], choice.p[2]);
+        auto upper = choose(u.y, low / (low + high), stay);
+        IntOf<T> step(1 << level), none(0);
+        x = x + select(stay, none, select(right, step, none));
+        y = y + select(stay, none, select(upper, step, none));
+        size = select(stay, size, T(0.5) * size);
+      }
+      tree.descend(base_, viewed + bit(x, level) + (bit(y, level) << 1));
+    }
+    T inverse(1.0f / float(1 << h_.depth));
+    return {fma(u.x, size, to_number(x)) * inverse, fma(u.y, size, to_number(y)) * inverse};
+  }
+
   // --- Cells of viewers and of light ---
 
   struct Light {
-    IntOf<T> cell(0);
+    IntOf<T> cell;
     T inverse_area; ///< one over its projected solid angle
   };
 
@@ -263,12 +355,15 @@ private:
     SinCos<T> phi = sincos((k + (u.y - T(0.5))) / place.second * T(2 * kPi));
     return {r * phi.cos, r * phi.sin, upward(square)};
   }
-  FACETA_INLINE Vec3<T> inside_square(const IntOf<T>& cell, const Vec2<T>& u,
-                                      const Vec3<T>& wo) const {
+  FACETA_INLINE Vec3<T> inside_square(const IntOf<T>& cell, const Vec2<T>& u, const Vec3<T>& wo,
+                                      const MaskOf<T>& through) const {
     T inverse(1.0f / float(h_.side));
     T row = floor((to_number(cell) + T(0.5)) * inverse);
     T column = fma(row, T(-float(h_.side)), to_number(cell));
-    Vec2<T> disk = concentric_disk(Vec2<T>{(column + u.x) * inverse, (row + u.y) * inverse});
+    Vec2<T> square{(column + u.x) * inverse, (row + u.y) * inverse};
+    if (h_.fine > 0)
+      square = refined(to_int(column), to_int(row), u, wo, through);
+    Vec2<T> disk = concentric_disk(square);
     Vec3<T> w{disk.x, disk.y, upward(fma(disk.x, disk.x, disk.y * disk.y))};
     return h_.kind == CellsKind::tree3 ? turned(w, azimuth(wo)) : w;
   }

@@ -149,8 +149,10 @@ public:
         children_(1 << tree.dimensions) {
     root_ = block.add(1);
     depth_ = copy(0, root_, 0);
+    count_ = block.size() - root_;
   }
   int32_t root() const { return root_; }
+  int32_t count() const { return count_; }
   int depth() const { return depth_; }
 
 private:
@@ -180,9 +182,24 @@ private:
   Block& block_;
   const std::vector<int32_t>& from_;
   size_t colors_;
-  int32_t children_, root_ = 0;
+  int32_t children_, root_ = 0, count_ = 0;
   int depth_ = 0;
 };
+
+/// The mean brightness below each node: children come after their parents.
+void add_means(Block& block, MeasuredPass pass, int32_t count) {
+  const int32_t means = block.header.means[pass] = block.add(size_t(count));
+  const float* nodes = block.at(block.header.nodes[pass]);
+  float* mean = block.at(means);
+  for (int32_t k = count - 1; k >= 0; --k) {
+    auto word = static_cast<int32_t>(nodes[k]);
+    double sum = 0;
+    for (int child = 0; child < 16 && word >= 0; ++child)
+      sum += mean[16 * word + 1 + child] / 16.0;
+    mean[k] = static_cast<float>(
+        word >= 0 ? sum : brightness(block.at(block.header.colors[pass] + 3 * (-1 - word))));
+  }
+}
 
 void add_tree(Block& block, const MeasuredTree& tree) {
   MeasuredCellsHeader& h = block.header;
@@ -201,13 +218,15 @@ void add_tree(Block& block, const MeasuredTree& tree) {
     std::copy(tree.rgb[pass].begin(), tree.rgb[pass].end(), block.at(h.colors[p]));
     for (float v : tree.rgb[pass])
       check(v >= 0 && std::isfinite(v), "a value is out of range");
+    if (tree.dimensions == 4)
+      add_means(block, pass, copy.count());
   }
 }
 
-/// Mean squares of the brightness of a tree of rank 4 over the pairs of cells of the table.
-class PairSums {
+/// The mean brightness of a tree of rank 4 over the pairs of cells of the table.
+class PairMeans {
 public:
-  PairSums(const MeasuredTree& tree, MeasuredPass pass, int side)
+  PairMeans(const MeasuredTree& tree, MeasuredPass pass, int side)
       : tree_(tree), pass_(pass), side_(side),
         values_(size_t(side) * size_t(side) * size_t(side) * size_t(side)) {
     add(0, {0, 0, 0, 0}, side, 1);
@@ -224,7 +243,7 @@ private:
     int32_t word = tree_.nodes[pass_][node];
     if (word < 0) {
       double value = brightness(&tree_.rgb[pass_][3 * static_cast<size_t>(-1 - int64_t(word))]);
-      return fill(corner, size, static_cast<float>(share * value * value));
+      return fill(corner, size, static_cast<float>(share * value));
     }
     for (int child = 0; child < 16; ++child) {
       std::array<int, 4> at = corner;
@@ -249,49 +268,45 @@ private:
   std::vector<float> values_;
 };
 
-/// Probabilities of a row from mean squares: their roots make the variance least, and a share is
-/// uniform over the sides that light goes to at all, which bounds the weights.
+/// Probabilities of a row, with a share that is uniform over the sides that light goes to at all:
+/// it bounds the weights of samples.
 void fill_tree_row(Block& block, const MeasuredTree& tree, size_t row,
-                   std::vector<double>& squares) {
+                   std::vector<double>& weights) {
   constexpr double kUniform = 0.05;
   const MeasuredCellsHeader& h = block.header;
   const size_t lights = size_t(h.lights), viewer_side = row / size_t(h.viewers);
-  double total = 0;
-  for (double& s : squares) {
-    s = std::sqrt(s);
-    total += s;
-  }
+  const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
   bool used[2];
   for (int through = 0; through < 2; ++through)
     used[through] = !tree.nodes[kPasses[viewer_side][through]].empty();
   const double even = 1 / std::max(1.0, double(lights) * (used[0] + used[1]));
-  for (size_t k = 0; k < squares.size(); ++k) {
+  for (size_t k = 0; k < weights.size(); ++k) {
     double uniform = used[k / lights] ? even : 0;
-    squares[k] = total > 0 ? lerp(squares[k] / total, uniform, kUniform) : uniform;
+    weights[k] = total > 0 ? lerp(weights[k] / total, uniform, kUniform) : uniform;
   }
-  fill_sums(block.at(h.sums) + row * (2 * lights + 1), squares);
+  fill_sums(block.at(h.sums) + row * (2 * lights + 1), weights);
 }
 
 void fill_tree4_sums(Block& block, const MeasuredTree& tree) {
   const MeasuredCellsHeader& h = block.header;
   const size_t lights = size_t(h.lights), viewers = size_t(h.viewers);
   for (size_t side = 0; side < 2; ++side) {
-    std::unique_ptr<PairSums> sums[2];
+    std::unique_ptr<PairMeans> means[2];
     for (int through = 0; through < 2; ++through)
       if (MeasuredPass pass = kPasses[side][through]; !tree.nodes[pass].empty())
-        sums[through] = std::make_unique<PairSums>(tree, pass, h.side);
+        means[through] = std::make_unique<PairMeans>(tree, pass, h.side);
     tbb::parallel_for(size_t(0), viewers, [&](size_t viewer) {
-      std::vector<double> squares(2 * lights);
-      for (size_t k = 0; k < squares.size(); ++k)
-        if (sums[k / lights])
-          squares[k] = sums[k / lights]->at(k % lights, viewer);
-      fill_tree_row(block, tree, side * viewers + viewer, squares);
+      std::vector<double> weights(2 * lights);
+      for (size_t k = 0; k < weights.size(); ++k)
+        if (means[k / lights])
+          weights[k] = means[k / lights]->at(k % lights, viewer);
+      fill_tree_row(block, tree, side * viewers + viewer, weights);
     });
   }
 }
 
-/// Points of each ring of viewers and in each square of light: nothing of this grid lines up with
-/// the tree's, which turns with the light.
+/// Points in each ring of viewers and square of light: the tree's own cells turn with the light.
+/// Roots of mean weights make the variance least.
 void fill_tree3_sums(Block& block, const MeasuredTree& tree) {
   constexpr int kRadii = 3, kAcross = 2;
   const MeasuredCells<double> cells(block.data());
@@ -299,8 +314,8 @@ void fill_tree3_sums(Block& block, const MeasuredTree& tree) {
   const size_t lights = size_t(h.lights), viewers = size_t(h.viewers);
   tbb::parallel_for(size_t(0), 2 * viewers, [&](size_t row) {
     const double up = row < viewers ? 1 : -1;
-    std::vector<double> squares(2 * lights);
-    for (size_t k = 0; k < squares.size(); ++k) {
+    std::vector<double> weights(2 * lights);
+    for (size_t k = 0; k < weights.size(); ++k) {
       size_t cell = k % lights, x = cell % size_t(h.side), y = cell / size_t(h.side);
       const bool through = k >= lights;
       for (int point = 0; point < kRadii * kAcross * kAcross; ++point) {
@@ -312,10 +327,11 @@ void fill_tree3_sums(Block& block, const MeasuredTree& tree) {
         double cosine = safe_sqrt(1 - sqr(light.x) - sqr(light.y));
         MeasuredRgb<double> c =
             cells.tree_color(wo, {light.x, light.y, through ? -up * cosine : up * cosine}, through);
-        squares[k] += sqr(luminance({c.r, c.g, c.b}));
+        weights[k] += sqr(luminance({c.r, c.g, c.b}));
       }
+      weights[k] = std::sqrt(weights[k]);
     }
-    fill_tree_row(block, tree, row, squares);
+    fill_tree_row(block, tree, row, weights);
   });
 }
 
@@ -356,6 +372,7 @@ HugeVector<float> measured_block(const MeasuredTree& tree) {
   h.kind = tree.dimensions == 3 ? CellsKind::tree3 : CellsKind::tree4;
   add_tree(block, tree);
   h.side = 1 << std::min(h.depth, tree.dimensions == 3 ? 6 : 5);
+  h.fine = tree.dimensions == 4 ? h.depth - std::min(h.depth, 5) : 0;
   h.lights = h.side * h.side;
   h.viewers = tree.dimensions == 3 ? std::max(1, h.side / 2) : h.lights;
   add_sums(block);

@@ -22,7 +22,8 @@ template <class T> struct MeasuredWindow {
                    "Bidirectional Scattering Distribution Functions: tensor trees")
         .note("Window XML files with Klems matrices or tensor trees, as Radiance, genBSDF and "
               "LBNL Window write them; Klems matrices are sampled exactly, trees by a table of "
-              "32 x 32 cells of viewers by 32 x 32 of light (rank 3: 32 rings by 64 x 64)")
+              "32 x 32 cells of viewers by 32 x 32 of light and further down by the means of "
+              "branches (rank 3: 32 rings by 64 x 64)")
         .note("Values hold for radiance that comes from wi, whichever way light is transported: "
               "no factor of eta, and importance sees the same as radiance")
         .file("filename", &M::table, "file of measured reflectance and transmittance")

@@ -369,19 +369,53 @@ TEST(MeasuredCells, TreesAreSampledByTheirBrightness) {
   }
 }
 
+// Below the table samples go down the tree, here past the five levels of the table.
 TEST(MeasuredCells, ATreeDeeperThanTheTable) {
-  MeasuredTree tree = random_tree(4, 6);
+  MeasuredTree tree = random_tree(4, 3);
   for (int pass : {kFrontReflection, kBackReflection, kFrontTransmission}) {
     tree.nodes[size_t(pass)].clear();
     tree.rgb[size_t(pass)].clear();
   }
+  // Light straight on: along the diagonal of the squares down to 2^7 cells.
+  std::vector<int32_t>& nodes = tree.nodes[kBackTransmission];
+  std::vector<float>& rgb = tree.rgb[kBackTransmission];
+  nodes = {1};
+  rgb = {0.1f, 0.1f, 0.1f};
+  std::vector<size_t> last = {0};
+  for (int level = 0; level < 7; ++level) {
+    std::vector<size_t> next;
+    for (size_t node : last) {
+      nodes[node] = int32_t(nodes.size());
+      for (int32_t child = 0; child < 16; ++child) {
+        if ((child & 3) == child >> 2 && (level < 2 || node % 3))
+          next.push_back(nodes.size());
+        nodes.push_back(-1);
+      }
+    }
+    last = next;
+  }
+  for (size_t node : last) {
+    nodes[node] = -1 - int32_t(rgb.size() / 3);
+    rgb.insert(rgb.end(), 3, float(1000 + node % 7));
+  }
   HugeVector<float> block = measured_block(tree);
   MeasuredCells<double> cells(block.data());
   Numbers numbers;
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; k < 6; ++k) {
     Vec3<double> wo = numbers.direction();
     wo.z = std::abs(wo.z);
-    EXPECT_NEAR(totals(cells, wo, 64).density, 1, 1e-6);
+    Totals t = totals(cells, wo, 128);
+    EXPECT_NEAR(t.density, 1, 1e-5);
+    double cv = std::sqrt(t.square / sqr(t.value) - 1);
+    EXPECT_LE(cv, 0.5);
+    double mean = 0;
+    const int n = 4000;
+    for (int j = 0; j < n; ++j) {
+      Eval<double> e;
+      cells.sample(wo, {{numbers.next(), numbers.next()}, (j + numbers.next()) / n}, e);
+      mean += e.value[0] / e.pdf / n;
+    }
+    EXPECT_NEAR(mean, t.value, 5 * t.value * cv / std::sqrt(n) + 1e-6);
   }
 }
 
