@@ -559,6 +559,10 @@ HugeVector<float> measured_block(const MeasuredGrid& grid) {
   return {};
 }
 
+HugeVector<float> measured_block(const MeasuredFile& file) {
+  return std::visit([](const auto& data) { return measured_block(data); }, file.data);
+}
+
 HugeVector<float> measured_block(const RglTables& t) {
   Block block;
   MeasuredHeader& h = block.header;

@@ -12,8 +12,13 @@ namespace faceta {
 /// Names of the form demo:NAME are tables made by Faceta itself (measured_demo.h).
 void load_measured_files();
 
-/// The options that the parameters of the model `measured` give.
+/// The options that the parameters of the models `measured` and `measuredwindow` give.
 MeasuredOptions measured_options(const Parameters& parameters);
+
+/// The name of the model that renders the file of that name or the demonstration, told from the
+/// first bytes: `measuredwindow` for what transmits, `measured` for anything else, files that
+/// cannot be read among it.
+const char* model_of_measured(const std::string& name);
 
 /// Reads the file of that name, or makes the demonstration.
 MeasuredFile read_measured_or_demo(const std::string& name, const MeasuredOptions& options);

@@ -35,6 +35,13 @@ const std::vector<MeasuredFormat>& measured_formats() {
 
 namespace {
 
+const MeasuredFormat* format_of(std::string_view bytes) {
+  for (const MeasuredFormat& format : measured_formats())
+    if (format.recognises(bytes))
+      return &format;
+  return nullptr;
+}
+
 // An option of one format only: one of its words, and the default for any other format.
 void check_word(const std::string& option, const std::string& value,
                 const std::vector<std::string>& known, const char* owner,
@@ -51,12 +58,10 @@ void check_word(const std::string& option, const std::string& value,
 
 MeasuredFile parse_measured(std::string_view bytes, const std::string& name,
                             const MeasuredOptions& options) {
-  const std::vector<MeasuredFormat>& formats = measured_formats();
-  auto found = std::find_if(formats.begin(), formats.end(),
-                            [&](const MeasuredFormat& f) { return f.recognises(bytes); });
-  if (found == formats.end()) {
+  const MeasuredFormat* found = format_of(bytes);
+  if (!found) {
     std::string known;
-    for (const MeasuredFormat& f : formats)
+    for (const MeasuredFormat& f : measured_formats())
       known += (known.empty() ? "" : ", ") + std::string(f.title);
     throw Error("not a file of measured reflectance that can be read", {name}, "known: " + known);
   }
@@ -75,6 +80,16 @@ MeasuredFile parse_measured(std::string_view bytes, const std::string& name,
 MeasuredFile read_measured(const std::string& path, const MeasuredOptions& options) {
   MappedFile file(path);
   return parse_measured(file.bytes(), path, options);
+}
+
+std::string format_of_measured(const std::string& path) {
+  try {
+    MappedFile file(path);
+    const MeasuredFormat* format = format_of(file.bytes());
+    return format ? format->name : "";
+  } catch (const Error&) {
+    return {};
+  }
 }
 
 } // namespace faceta

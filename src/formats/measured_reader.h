@@ -27,4 +27,7 @@ MeasuredFile parse_measured(std::string_view bytes, const std::string& name,
 /// The same for a file on disk, which is mapped into memory, not copied.
 MeasuredFile read_measured(const std::string& path, const MeasuredOptions& options = {});
 
+/// The short name of the format that recognises a file; empty if none does or it cannot be opened.
+std::string format_of_measured(const std::string& path);
+
 } // namespace faceta

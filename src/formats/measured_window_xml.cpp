@@ -37,23 +37,6 @@ std::string lower(std::string text) {
   return text;
 }
 
-const std::map<std::string, KlemsBasis>& known_bases() {
-  static const std::map<std::string, KlemsBasis> bases = [] {
-    std::map<std::string, KlemsBasis> out = {
-        {"lbnl/klems full",
-         {{0, 5, 15, 25, 35, 45, 55, 65, 75, 90}, {1, 8, 16, 20, 24, 24, 24, 16, 12}}},
-        {"lbnl/klems half",
-         {{0, 6.5, 19.5, 32.5, 46.5, 61.5, 76.5, 90}, {1, 8, 12, 16, 20, 12, 4}}},
-        {"lbnl/klems quarter", {{0, 9, 27, 46, 66, 90}, {1, 8, 12, 12, 8}}},
-    };
-    for (auto& [name, basis] : out)
-      for (double& theta : basis.theta)
-        theta *= kDegree;
-    return out;
-  }();
-  return bases;
-}
-
 /// The quantity of a <WavelengthData>: which channel its blocks are.
 enum Channel { kY, kX, kZ, kU, kV, kChannels };
 
@@ -199,8 +182,8 @@ private:
     for (pugi::xml_node basis : definition.children("AngleBasis"))
       if (lower(trimmed(basis.child_value("AngleBasisName"))) == lower(name))
         return read_basis(basis);
-    auto known = known_bases().find(lower(name));
-    if (known == known_bases().end())
+    auto known = klems_bases().find(lower(name));
+    if (known == klems_bases().end())
       throw error(wanted, fmt::format("unknown angle basis '{}'", name),
                   "LBNL/Klems Full, Half or Quarter, or one that <AngleBasis> defines");
     return known->second;
@@ -412,6 +395,23 @@ bool is_tensor_tree(std::string_view bytes) {
 
 bool is_klems(std::string_view bytes) {
   return is_window_xml(bytes) && !is_tensor_tree(bytes);
+}
+
+const std::map<std::string, KlemsBasis>& klems_bases() {
+  static const std::map<std::string, KlemsBasis> bases = [] {
+    std::map<std::string, KlemsBasis> out = {
+        {"lbnl/klems full",
+         {{0, 5, 15, 25, 35, 45, 55, 65, 75, 90}, {1, 8, 16, 20, 24, 24, 24, 16, 12}}},
+        {"lbnl/klems half",
+         {{0, 6.5, 19.5, 32.5, 46.5, 61.5, 76.5, 90}, {1, 8, 12, 16, 20, 12, 4}}},
+        {"lbnl/klems quarter", {{0, 9, 27, 46, 66, 90}, {1, 8, 12, 12, 8}}},
+    };
+    for (auto& [name, basis] : out)
+      for (double& theta : basis.theta)
+        theta *= kDegree;
+    return out;
+  }();
+  return bases;
 }
 
 MeasuredFile read_window_xml(const InputText& input, const MeasuredOptions& options) {

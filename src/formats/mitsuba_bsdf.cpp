@@ -1,3 +1,4 @@
+#include "formats/measured_loader.h"
 #include "formats/mitsuba_reader.h"
 #include "formats/xml_values.h"
 #include "materials/measured_demo.h"
@@ -111,6 +112,20 @@ void complete_metal(Parameters& values, const SourcePosition& where) {
   }
 }
 
+/// The path of a file, or the name of a demonstration.
+std::string measured_file(const xml::Node& node, const std::string& name) {
+  std::string text = node.get_string(name);
+  return is_demo(text) ? text : node.get_file(name).string();
+}
+
+/// `measured` is what files of either kind are called in scenes; what they hold says which it is.
+const Model& for_its_file(const xml::Node& node, const Model& model) {
+  const ParamInfo* file = model.descriptor.file();
+  if (model.name() != "measured" || !node.has(file->name))
+    return model;
+  return Registry::global().get(model_of_measured(measured_file(node, file->name)));
+}
+
 template <class T> void append(std::string& key, const T* values, size_t count) {
   key.append(reinterpret_cast<const char*>(&count), sizeof count);
   key.append(reinterpret_cast<const char*>(values), count * sizeof(T));
@@ -132,7 +147,7 @@ MaterialPtr Reader::read_material(const xml::NodePtr& node) {
     material = make_node(*node, MaterialNode::Kind::null);
     finish(*node, {});
   } else if (const Model* model = Registry::global().find(node->type))
-    material = read_model(*node, *model);
+    material = read_model(*node, for_its_file(*node, *model));
   else if (const Model& measured = Registry::global().get("measured");
            names_measured(node->type, measured))
     material = read_measured_alias(*node, measured);
@@ -171,7 +186,7 @@ MaterialPtr Reader::read_measured_alias(const xml::Node& node, const Model& meas
                           "leave it out, or make the type 'measured'");
     plain.set("format", xml::Type::string, node.type);
   }
-  return read_model(plain, measured);
+  return read_model(plain, for_its_file(plain, measured));
 }
 
 void Reader::read_parameter(const xml::Node& node, const ParamInfo& parameter,
@@ -199,10 +214,7 @@ void Reader::read_parameter(const xml::Node& node, const ParamInfo& parameter,
     read_metal(node, parameter, values);
     break;
   case ParamKind::file:
-    values.set(parameter.name,
-               is_demo(node.get_string(parameter.name)) ? node.get_string(parameter.name)
-                                                        : node.get_file(parameter.name).string(),
-               position(node, parameter.name));
+    values.set(parameter.name, measured_file(node, parameter.name), position(node, parameter.name));
     break;
   }
 }

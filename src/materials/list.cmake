@@ -14,6 +14,7 @@ faceta_add_material_modules(builtin
     materials/plastic.h:Plastic
     materials/roughplastic.h:RoughPlastic
     materials/measured.h:Measured
+    materials/measuredwindow.h:MeasuredWindow
     materials/hazygloss.h:HazyGloss
   EXTRA ${FACETA_RENDER_KERNELS}
   LIBS embree)

@@ -2,6 +2,7 @@
 
 #include "bsdf/measured_build.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -61,6 +62,28 @@ const std::vector<Demo>& demos() {
   return list;
 }
 
+const std::vector<std::string>& cell_demos() {
+  static const std::vector<std::string> names = {"demo:shade", "demo:tree3", "demo:tree4"};
+  return names;
+}
+
+MeasuredFile cell_demo(const std::string& name) {
+  MeasuredFile file;
+  file.info.format = "demo";
+  file.info.title = "a window made by Faceta itself";
+  if (name == "demo:shade") {
+    MeasuredPatches patches = demo_patches();
+    file.info.cells = 4 * int64_t(patches.incident.size()) * patches.outgoing.size();
+    file.data = std::move(patches);
+    return file;
+  }
+  MeasuredTree tree = demo_tree(name == "demo:tree3" ? 3 : 4);
+  for (const std::vector<float>& rgb : tree.rgb)
+    file.info.cells += int64_t(rgb.size() / 3);
+  file.data = std::move(tree);
+  return file;
+}
+
 Vec3<double> from_angles(double theta, double phi) {
   return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
 }
@@ -76,16 +99,18 @@ Vec3<double> about_y(const Vec3<double>& v, double angle) {
 }
 
 /// One table a demonstration, made when it is first asked for.
-std::shared_ptr<const FileTables> demo_tables(const std::string& name) {
+std::shared_ptr<const FileTables> demo_tables(const std::string& name, const std::string& model) {
   static std::mutex mutex;
   static std::map<std::string, std::weak_ptr<const FileTables>> made;
   std::lock_guard lock(mutex);
-  std::weak_ptr<const FileTables>& known = made[name];
+  std::weak_ptr<const FileTables>& known = made[model + ' ' + name];
   if (auto tables = known.lock())
     return tables;
   auto tables = std::make_shared<FileTables>();
   tables->name = name;
-  tables->values = measured_block(std::get<MeasuredGrid>(measured_demo(name).data));
+  MeasuredFile file = measured_demo(name);
+  check_model(file, name, model);
+  tables->values = measured_block(file);
   known = tables;
   return tables;
 }
@@ -102,7 +127,20 @@ std::shared_ptr<const FileTables> load_demo(const Parameters& parameters,
     if (p.reads_file && parameters.was_set(p.name))
       throw Error("'" + p.name + "' says how a file is read, and '" + name + "' is none", where,
                   "leave it out");
-  return demo_tables(name);
+  return demo_tables(name, parameters.model().name());
+}
+
+const char* model_of(const MeasuredFile& file) {
+  bool cells = std::holds_alternative<MeasuredPatches>(file.data) ||
+               std::holds_alternative<MeasuredTree>(file.data);
+  return cells ? "measuredwindow" : "measured";
+}
+
+void check_model(const MeasuredFile& file, const std::string& name, const std::string& model) {
+  if (model != model_of(file))
+    throw Error(model == "measured" ? "the file holds values of cells, reflected and transmitted"
+                                    : "the file holds reflectance only, not values of cells",
+                {name}, std::string("use the model '") + model_of(file) + "'");
 }
 
 bool is_demo(const std::string& name) {
@@ -113,7 +151,13 @@ std::vector<std::string> demo_names() {
   std::vector<std::string> names;
   for (const Demo& demo : demos())
     names.push_back(std::string(kPrefix) + demo.name);
+  names.insert(names.end(), cell_demos().begin(), cell_demos().end());
   return names;
+}
+
+bool is_cell_demo(const std::string& name) {
+  const std::vector<std::string>& names = cell_demos();
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 bool directions_of(MeasuredCoordinates coordinates, const double* a, Vec3<double>& wo,
@@ -179,8 +223,10 @@ MeasuredFile measured_demo(const std::string& name) {
   for (const Demo& d : demos())
     if (kPrefix + std::string(d.name) == name)
       demo = &d;
-  if (!demo)
+  if (!demo && !is_cell_demo(name))
     throw Error("there is no demonstration of that name", {name}, suggestion(name, demo_names()));
+  if (!demo)
+    return cell_demo(name);
   MeasuredFile file;
   MeasuredGrid grid = demo->grid;
   const Parameters material = make_parameters(demo->model, demo->settings);

@@ -24,6 +24,24 @@ MeasuredFile measured_demo(const std::string& name);
 /// below the surface become holes.
 void tabulate(const Reflectance& f, MeasuredGrid& grid);
 
+/// The model that renders what a file holds: `measured`, or `measuredwindow` for what transmits or
+/// is constant over cells.
+const char* model_of(const MeasuredFile& file);
+/// Error that names the right model if it is not this one.
+void check_model(const MeasuredFile& file, const std::string& name, const std::string& model);
+
+/// Whether it is one of those that transmit, for the model `measuredwindow`.
+bool is_cell_demo(const std::string& name);
+
+/// What demonstrations that transmit are made of, f_r: diffuse light and a lobe about the mirror
+/// direction or straight on, another for each pass. wi and wo on the sides that the pass says.
+std::array<double, 3> demo_window(MeasuredPass pass, const Vec3<double>& wi,
+                                  const Vec3<double>& wo);
+/// demo:shade: demo_window() in the middle of the 145 x 145 cells of Klems's full basis.
+MeasuredPatches demo_patches();
+/// demo:tree3, demo:tree4: the same as a tensor tree.
+MeasuredTree demo_tree(int dimensions);
+
 /// The directions that coordinates stand for; false if one of them is below the surface.
 bool directions_of(MeasuredCoordinates coordinates, const double* angles, Vec3<double>& wo,
                    Vec3<double>& wi);

@@ -16,7 +16,7 @@ std::vector<std::string> values_to_try(const ParamInfo& p) {
   if (p.kind == ParamKind::metal)
     return {"Au", "Ag", "Al", "none"};
   if (p.kind == ParamKind::file)
-    return {"demo:plastic", "demo:metal"};
+    return {"demo:plastic", "demo:metal", "demo:shade", "demo:tree4"}; // two for either model
   if (!p.choices.empty())
     return p.choices;
   std::vector<std::string> values;
