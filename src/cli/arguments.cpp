@@ -4,6 +4,7 @@
 #include "cli/measure_command.h"
 #include "cli/plot_command.h"
 #include "cli/render_command.h"
+#include "formats/measured_reader.h"
 #include "verify/suite.h"
 
 #include <CLI/CLI.hpp>
@@ -105,7 +106,8 @@ void add_table(CLI::App& app, Action& action, bool sample) {
           : "In:  wo_x,wo_y,wo_z,wi_x,wi_y,wi_z and optionally u,v (0.5), by the header, in any\n"
             "     order; local frame, unit length, wo towards the viewer, wi towards the light.\n"
             "Out: the same and value_r,value_g,value_b,pdf; values include |cos theta_i|.");
-  sub->add_option("material", options->material, "a name that `faceta materials` lists")
+  sub->add_option("material", options->material,
+                  "a name that `faceta materials` lists, or a measured file")
       ->type_name("MATERIAL");
   sub->add_option("settings", *settings, "its parameters: alpha=0.2 material=Au reflectance=1,0,0")
       ->type_name("NAME=VALUE");
@@ -288,7 +290,8 @@ void add_gallery(CLI::App& app, Action& action) {
 std::vector<VerifyTarget> targets_of(const std::vector<std::string>& words) {
   std::vector<VerifyTarget> targets;
   for (const std::string& word : words) {
-    bool scene = std::filesystem::path(word).extension() == ".xml";
+    bool scene =
+        std::filesystem::path(word).extension() == ".xml" && format_of_measured(word).empty();
     if (scene || word.find('=') == std::string::npos) {
       targets.push_back({word, scene, {}});
       continue;
@@ -310,7 +313,8 @@ void add_verify(CLI::App& app, Action& action) {
               "parameters. A scene: each model in it as it is used there.\n"
               "Exit code 1 if a property fails. What a model is known to break is excused, with\n"
               "the reason.");
-  sub->add_option("targets", *words, "materials, each perhaps with NAME=VALUE, and scenes (.xml)")
+  sub->add_option("targets", *words,
+                  "materials and measured files, each perhaps with NAME=VALUE, and scenes (.xml)")
       ->type_name("TARGET");
   add_defines(*sub, options->defines);
   sub->add_option_function<std::string>(

@@ -1,5 +1,6 @@
 #include "cli/commands.h"
 #include "formats/material_docs.h"
+#include "formats/measured_loader.h"
 #include "formats/output_file.h"
 #include "verify/efficiency.h"
 
@@ -19,11 +20,11 @@ std::vector<SuiteSubject> choose_subjects(const std::vector<VerifyTarget>& targe
     if (target.scene || find_scene_node(target.name))
       throw Error("'" + target.name + "' is no single model", {},
                   "give the models in it, with their parameters");
-    const Model& model = Registry::global().get(target.name);
-    if (target.settings.empty())
-      add_model(model);
+    NamedModel named = model_or_file(target.name, target.settings);
+    if (named.settings.empty())
+      add_model(*named.model);
     else
-      subjects.push_back(settings_subject(model, target.settings));
+      subjects.push_back(settings_subject(*named.model, named.settings));
   }
   if (targets.empty())
     for (const auto& model : Registry::global().models())

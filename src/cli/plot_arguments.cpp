@@ -105,7 +105,8 @@ void add_plot(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("plot", "Plot materials: lobes, albedo, sampling");
   sub->footer("faceta plot roughconductor alpha=0.3 + orennayar sigma=0.5 --kind albedo -o a.svg\n"
               "An SVG follows the reader's light or dark colours and embeds into HTML as it is.");
-  sub->add_option("materials", *words, "names, each perhaps with NAME=VALUE, a + between them")
+  sub->add_option("materials", *words,
+                  "names or measured files, each perhaps with NAME=VALUE, a + between them")
       ->type_name("MATERIAL");
   std::vector<std::string> kinds;
   for (const PlotKindInfo& info : plot_kinds())

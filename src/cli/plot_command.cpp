@@ -2,6 +2,7 @@
 
 #include "cli/commands.h"
 #include "formats/material_docs.h"
+#include "formats/measured_loader.h"
 #include "formats/output_file.h"
 #include "image/io.h"
 
@@ -42,7 +43,7 @@ int run_plot(const PlotCommandOptions& options) {
   for (const auto& [name, settings] : options.materials) {
     if (find_scene_node(name))
       throw Error("'" + name + "' puts materials of a scene file together and has no plot");
-    materials.push_back(plot_material(make_parameters(name, settings)));
+    materials.push_back(plot_material(parameters_of(model_or_file(name, settings))));
   }
   Drawing drawing = draw_plot(plot_kind(options.kind).kind, materials, options.plot);
   for (const std::string& path : options.outputs) {

@@ -2,6 +2,7 @@
 #include "cli/scene_material.h"
 #include "formats/direction_table.h"
 #include "formats/material_docs.h"
+#include "formats/measured_loader.h"
 
 namespace faceta::cli {
 
@@ -13,7 +14,8 @@ int run_table(const TableOptions& options) {
   ColumnMaterial material =
       options.material.empty()
           ? load_scene_material(options.scene, options.id, options.defines, isa, options.mode)
-          : column_material(make_parameters(options.material, options.settings), isa, options.mode);
+          : column_material(parameters_of(model_or_file(options.material, options.settings)), isa,
+                            options.mode);
   if (options.sample)
     sample_table(material, options.input, options.output);
   else

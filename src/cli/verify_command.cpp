@@ -1,6 +1,7 @@
 #include "cli/commands.h"
 #include "cli/exemplars.h"
 #include "cli/suite_progress.h"
+#include "formats/measured_loader.h"
 #include "formats/mitsuba_scene.h"
 #include "formats/output_file.h"
 #include "verify/report_html.h"
@@ -55,11 +56,11 @@ void add_target(const VerifyTarget& target, const Settings& defines, Subjects& a
     all.add_node(*node);
     return;
   }
-  const Model& model = Registry::global().get(target.name);
-  if (target.settings.empty())
-    all.add_model(model);
+  NamedModel named = model_or_file(target.name, target.settings);
+  if (named.settings.empty())
+    all.add_model(*named.model);
   else
-    all.subjects.push_back(settings_subject(model, target.settings));
+    all.subjects.push_back(settings_subject(*named.model, named.settings));
 }
 
 Subjects choose_subjects(const VerifyOptions& options) {

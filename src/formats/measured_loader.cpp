@@ -64,6 +64,10 @@ HugeVector<float> measured_block(const MeasuredFile& file, const std::string& na
   }
 }
 
+void load_measured_files() {
+  set_file_loader(load);
+}
+
 MeasuredOptions measured_options(const Parameters& parameters) {
   MeasuredOptions options;
   const Descriptor& d = parameters.descriptor();
@@ -86,6 +90,19 @@ const char* model_of_measured(const std::string& name) {
     return model_of(measured_demo(name));
   std::string format = format_of_measured(name);
   return format == "klems" || format == "tensortree" ? "measuredwindow" : "measured";
+}
+
+NamedModel model_or_file(const std::string& name, const Settings& settings) {
+  const Registry& registry = Registry::global();
+  if (registry.find(name) || !(is_demo(name) || !format_of_measured(name).empty()))
+    return {&registry.get(name), settings};
+  NamedModel named{&registry.get(model_of_measured(name)), settings};
+  named.settings.insert(named.settings.begin(), {named.model->descriptor.file()->name, name});
+  return named;
+}
+
+Parameters parameters_of(const NamedModel& named) {
+  return make_parameters(named.model->name(), named.settings);
 }
 
 MeasuredFile read_measured_or_demo(const std::string& name, const MeasuredOptions& options) {

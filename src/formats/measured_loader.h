@@ -2,6 +2,7 @@
 
 #include "bsdf/file_tables.h"
 #include "bsdf/measured_data.h"
+#include "bsdf/registry.h"
 
 namespace faceta {
 
@@ -19,6 +20,17 @@ MeasuredOptions measured_options(const Parameters& parameters);
 /// first bytes: `measuredwindow` for what transmits, `measured` for anything else, files that
 /// cannot be read among it.
 const char* model_of_measured(const std::string& name);
+
+/// What people call a material on the command line: the name of a model, or of a measured file or
+/// demonstration, which then becomes the `filename` of the model that reads it. Error with a
+/// suggestion if it is neither.
+struct NamedModel {
+  const Model* model;
+  Settings settings;
+};
+NamedModel model_or_file(const std::string& name, const Settings& settings);
+/// Its parameters.
+Parameters parameters_of(const NamedModel& named);
 
 /// Reads the file of that name, or makes the demonstration.
 MeasuredFile read_measured_or_demo(const std::string& name, const MeasuredOptions& options);
