@@ -1,6 +1,7 @@
 #include "cli/arguments.h"
 
 #include "cli/commands.h"
+#include "cli/fit_command.h"
 #include "cli/plot_command.h"
 #include "cli/render_command.h"
 #include "verify/suite.h"
@@ -403,6 +404,7 @@ Action parse_arguments(int argc, char** argv) {
   add_info(app, action);
   add_verify(app, action);
   add_efficiency(app, action);
+  add_fit(app, action);
   add_docs(app, action);
   try {
     app.parse(argc, argv);

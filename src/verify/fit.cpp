@@ -127,6 +127,17 @@ std::vector<double> values_of(const std::vector<FitPart>& parts, const FitData& 
   return sum;
 }
 
+/// Numbers as numbers, colours as three, names as text: as a material's JSON has them.
+nlohmann::ordered_json value_json(const Parameters& parameters, const std::string& name) {
+  const ParamInfo& p = *parameters.descriptor().find(name);
+  if (p.slot < 0 || !parameters.given_name(name).empty())
+    return parameters.text(name);
+  const double* slots = &parameters.slots()[size_t(p.slot)];
+  if (p.kind == ParamKind::reflectance || p.kind == ParamKind::spectrum)
+    return {slots[0], slots[1], slots[2]};
+  return slots[0];
+}
+
 nlohmann::ordered_json errors_json(const FitErrors& e) {
   return {{"log", e[0]}, {"cbrt", e[1]}, {"rel", e[2]}};
 }
@@ -179,10 +190,10 @@ std::string fit_json(const FitResult& result) {
   for (const FitPart& part : result.parts) {
     nlohmann::ordered_json parameters;
     for (const auto& [name, text] : part.parameters.given())
-      parameters[name] = part.parameters.text(name);
-    json["parts"].push_back({{"share", part.share},
-                             {"model", part.parameters.model().name()},
-                             {"parameters", parameters}});
+      parameters[name] = value_json(part.parameters, name);
+    nlohmann::ordered_json material{{"model", part.parameters.model().name()},
+                                    {"parameters", parameters}};
+    json["parts"].push_back({{"share", part.share}, {"material", material}});
   }
   for (const FitCandidate& c : result.candidates)
     json["candidates"].push_back({{"model", c.model},
