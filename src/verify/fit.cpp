@@ -80,7 +80,7 @@ private:
   std::vector<FitStart> starts(int lobes) const {
     double a = alpha_, wide = std::min(3 * a, 0.9);
     if (lobes == 1)
-      return {{{a}}, {{0.3 * a}}, {{std::min(2 * a, 0.9)}}};
+      return {{{a}}, {{0.3 * a}}, {{std::min(2 * a, 0.9)}}, {{a}, true}};
     if (lobes == 2)
       return {{{0.7 * a, wide}}, {{0.3 * a, a}},       {{a, a}},
               {{0.01, 0.15}},    {{0.7 * a, a}, true}, {{a, 0.3 * a}, true}};
@@ -116,11 +116,11 @@ std::vector<FitPart> parts_of(const FitModel& model, const FitModel::State& stat
 
 std::vector<double> values_of(const std::vector<FitPart>& parts, const FitData& data) {
   std::vector<double> sum(3 * data.rows.size()), values(sum.size());
+  std::vector<DirectionPair> pairs = pairs_of(data.rows);
   for (const FitPart& part : parts) {
     Record record = part.parameters.record();
     std::vector<double> slots(record.slots.begin(), record.slots.end());
-    find_fit_kernel(part.parameters.model().name())(record, slots, {}, data.rows, values.data(),
-                                                    nullptr);
+    part.parameters.model().eval_rows(record, slots, {}, pairs, values.data(), nullptr);
     for (size_t i = 0; i < sum.size(); ++i)
       sum[i] += part.share * values[i];
   }

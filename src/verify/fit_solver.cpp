@@ -24,6 +24,16 @@ double slope_of(FitMetric metric, double v) {
                                      : 1;
 }
 
+/// Where numbers other than widths and colours start, of a plain and of a coated lobe.
+struct StartShape {
+  const char* name;
+  double plain, coated;
+};
+constexpr StartShape kStartShapes[] = {{"gloss_across", 0, 1},
+                                       {"gloss_masking", 0.15, 1.5},
+                                       {"eta", 0.5, 1.5}, // a metal, or what lies under a coat
+                                       {"k", 2.5, 0.3}};
+
 /// Makes the state once per step, for all chunks of rows.
 class StateCallback : public ceres::EvaluationCallback {
 public:
@@ -175,10 +185,9 @@ std::vector<double> start_fit(const FitModel& model, const FitData& data, const 
   for (size_t j = 0; j < model.parameters().size(); ++j) {
     const FitParameter& p = model.parameters()[j];
     bool is_alpha = p.name.size() >= 5 && p.name.compare(p.name.size() - 5, 5, "alpha") == 0;
-    if (start.coated && p.name == "gloss_across")
-      x[j] = p.transform.inverse(1);
-    if (start.coated && p.name == "gloss_masking")
-      x[j] = p.transform.inverse(1.5);
+    for (const auto& [name, plain, coated] : kStartShapes)
+      if (p.name == name)
+        x[j] = p.transform.inverse(start.coated ? coated : plain);
     if (!is_alpha && p.name != "exponent")
       continue;
     double alpha = start.alphas[std::min(lobe++, start.alphas.size() - 1)];
