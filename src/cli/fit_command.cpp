@@ -21,27 +21,6 @@ FitTarget read_fit_target(const std::string& path) {
   throw Error("files of measured reflectance cannot be fitted yet", {path});
 }
 
-std::shared_ptr<MaterialNode> model_node(const Parameters& parameters) {
-  auto node = std::make_shared<MaterialNode>();
-  node->parameters = std::make_shared<Parameters>(parameters);
-  return node;
-}
-
-/// The sum of the parts from `first` on, scaled to shares that add up to 1.
-std::shared_ptr<MaterialNode> sum_node(const std::vector<FitPart>& parts, size_t first) {
-  auto node = model_node(parts[first].parameters);
-  if (first + 1 == parts.size())
-    return node;
-  double rest = 0;
-  for (size_t k = first + 1; k < parts.size(); ++k)
-    rest += parts[k].share;
-  auto blend = std::make_shared<MaterialNode>();
-  blend->kind = MaterialNode::Kind::blend;
-  blend->weight.value.fill(rest / (rest + parts[first].share));
-  blend->children = {node, sum_node(parts, first + 1)};
-  return blend;
-}
-
 bool has_ending(const std::string& path, const char* ending) {
   return std::filesystem::path(path).extension() == ending;
 }
@@ -86,8 +65,8 @@ int run_fit(const FitCommandOptions& options) {
   if (!options.quiet)
     std::fputs(fit_text(result).c_str(), stdout);
   for (const std::string& path : options.outputs)
-    write_text(path, has_ending(path, ".json") ? fit_json(result)
-                                               : write_material(*sum_node(result.parts, 0)));
+    write_text(path,
+               has_ending(path, ".json") ? fit_json(result) : write_material(*fit_node(result)));
   if (!options.maps.empty())
     write_maps(options.maps, fit_map(data, result.fitted));
   return kOk;

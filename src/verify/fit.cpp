@@ -127,6 +127,22 @@ std::vector<double> values_of(const std::vector<FitPart>& parts, const FitData& 
   return sum;
 }
 
+/// The parts from `first` on, scaled to shares that add up to 1.
+std::shared_ptr<MaterialNode> sum_node(const std::vector<FitPart>& parts, size_t first) {
+  auto node = std::make_shared<MaterialNode>();
+  node->parameters = std::make_shared<Parameters>(parts[first].parameters);
+  if (first + 1 == parts.size())
+    return node;
+  double rest = 0;
+  for (size_t k = first + 1; k < parts.size(); ++k)
+    rest += parts[k].share;
+  auto blend = std::make_shared<MaterialNode>();
+  blend->kind = MaterialNode::Kind::blend;
+  blend->weight.value.fill(rest / (rest + parts[first].share));
+  blend->children = {node, sum_node(parts, first + 1)};
+  return blend;
+}
+
 /// Numbers as numbers, colours as three, names as text: as a material's JSON has them.
 nlohmann::ordered_json value_json(const Parameters& parameters, const std::string& name) {
   const ParamInfo& p = *parameters.descriptor().find(name);
@@ -168,6 +184,10 @@ FitResult fit_material(const FitData& data, const FitOptions& options) {
   result.iterations = fitter.iterations();
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;
+}
+
+std::shared_ptr<MaterialNode> fit_node(const FitResult& result) {
+  return sum_node(result.parts, 0);
 }
 
 std::string fit_json(const FitResult& result) {

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 namespace faceta {
 namespace {
@@ -235,6 +236,41 @@ TEST(Fit, ErrorsAreThoseOfThePartsAsWritten) {
     }
   }
   EXPECT_NEAR(fit_errors(data, sum).all[0], result.errors.all[0], 1e-7);
+}
+
+TEST(Fit, NestedBlendsHaveThePartsShares) {
+  FitData data = measured("ward", {{"alpha", "0.2"}});
+  FitResult result = fit_material(data, {"phong", 3});
+  ASSERT_EQ(result.parts.size(), 3u);
+  std::shared_ptr<MaterialNode> node = fit_node(result);
+  double left = 1; // blend: (1 - weight) first + weight second
+  for (size_t k = 0; k < 3; ++k) {
+    bool last = k == 2;
+    ASSERT_EQ(node->kind, last ? MaterialNode::Kind::model : MaterialNode::Kind::blend);
+    double weight = last ? 0 : node->weight.value[0];
+    EXPECT_NEAR(left * (1 - weight), result.parts[k].share, 1e-12);
+    const MaterialNode& leaf = last ? *node : *node->children[0];
+    EXPECT_EQ(leaf.parameters->given(), result.parts[k].parameters.given());
+    left *= weight;
+    if (!last)
+      node = node->children[1];
+  }
+}
+
+TEST(Fit, JsonHoldsTheResult) {
+  FitData data = measured("ward", {{"alpha", "0.2"}});
+  FitResult result = fit_material(data, {"ggx", 0});
+  auto json = nlohmann::json::parse(fit_json(result));
+  EXPECT_EQ(json["errors"]["log"], result.errors.all[0]);
+  EXPECT_EQ(json["free_parameters"], result.parameters);
+  EXPECT_EQ(json["candidates"].size(), 2u);
+  EXPECT_EQ(json["errors_by_theta_i"].size(), 8u);
+  auto parameters = json["parts"][0]["material"]["parameters"];
+  EXPECT_EQ(json["parts"][0]["material"]["model"], "hazygloss");
+  const Parameters& p = result.parts[0].parameters;
+  EXPECT_EQ(parameters["diffuse_reflectance"][1],
+            p.slots()[size_t(p.descriptor().find("diffuse_reflectance")->slot) + 1]);
+  EXPECT_EQ(parameters["gloss_alpha"], p.slots()[size_t(p.descriptor().find("gloss_alpha")->slot)]);
 }
 
 TEST(Fit, BadRequestsAreErrors) {
