@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 
 namespace faceta {
 
@@ -45,6 +46,11 @@ struct ReferenceQuery {
   Vec2<double> uv{0.5, 0.5};
 };
 
+/// Two directions in the local frame.
+struct DirectionPair {
+  Vec3<double> wo, wi;
+};
+
 /// value[3], pdf and their derivatives with respect to up to 8 slots.
 struct ReferenceJet {
   double value[4];
@@ -71,6 +77,11 @@ struct Model {
   /// Derivatives with respect to the slots listed in `active` (at most 8; table slots not allowed).
   ReferenceJet (*eval_jet)(const Record&, const std::vector<double>& slots,
                            const std::vector<int>& active, const ReferenceQuery&);
+  /// Values for many pairs of directions above the surface at slots (all of a record, in double
+  /// precision): values[3 i + c], and d value / d slot active[k] of n as
+  /// derivatives[(3 i + c) n + k] unless that is null. Tables stay as the record has them.
+  void (*eval_rows)(const Record&, const std::vector<double>& slots, const std::vector<int>& active,
+                    std::span<const DirectionPair> rows, double* values, double* derivatives);
   /// eval with colours of six channels, which hold the record's three twice: how the model fares
   /// with another width.
   ReferenceWide (*eval_wide)(const Record&, const ReferenceQuery&);

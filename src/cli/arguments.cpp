@@ -1,6 +1,7 @@
 #include "cli/arguments.h"
 
 #include "cli/commands.h"
+#include "cli/fit_command.h"
 #include "cli/measure_command.h"
 #include "cli/plot_command.h"
 #include "cli/render_command.h"
@@ -412,6 +413,7 @@ Action parse_arguments(int argc, char** argv) {
   add_measure(app, action);
   add_verify(app, action);
   add_efficiency(app, action);
+  add_fit(app, action);
   add_docs(app, action);
   try {
     app.parse(argc, argv);

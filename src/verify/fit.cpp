@@ -80,7 +80,7 @@ private:
   std::vector<FitStart> starts(int lobes) const {
     double a = alpha_, wide = std::min(3 * a, 0.9);
     if (lobes == 1)
-      return {{{a}}, {{0.3 * a}}, {{std::min(2 * a, 0.9)}}};
+      return {{{a}}, {{0.3 * a}}, {{std::min(2 * a, 0.9)}}, {{a}, true}};
     if (lobes == 2)
       return {{{0.7 * a, wide}}, {{0.3 * a, a}},       {{a, a}},
               {{0.01, 0.15}},    {{0.7 * a, a}, true}, {{a, 0.3 * a}, true}};
@@ -116,15 +116,42 @@ std::vector<FitPart> parts_of(const FitModel& model, const FitModel::State& stat
 
 std::vector<double> values_of(const std::vector<FitPart>& parts, const FitData& data) {
   std::vector<double> sum(3 * data.rows.size()), values(sum.size());
+  std::vector<DirectionPair> pairs = pairs_of(data.rows);
   for (const FitPart& part : parts) {
     Record record = part.parameters.record();
     std::vector<double> slots(record.slots.begin(), record.slots.end());
-    find_fit_kernel(part.parameters.model().name())(record, slots, {}, data.rows, values.data(),
-                                                    nullptr);
+    part.parameters.model().eval_rows(record, slots, {}, pairs, values.data(), nullptr);
     for (size_t i = 0; i < sum.size(); ++i)
       sum[i] += part.share * values[i];
   }
   return sum;
+}
+
+/// The parts from `first` on, scaled to shares that add up to 1.
+std::shared_ptr<MaterialNode> sum_node(const std::vector<FitPart>& parts, size_t first) {
+  auto node = std::make_shared<MaterialNode>();
+  node->parameters = std::make_shared<Parameters>(parts[first].parameters);
+  if (first + 1 == parts.size())
+    return node;
+  double rest = 0;
+  for (size_t k = first + 1; k < parts.size(); ++k)
+    rest += parts[k].share;
+  auto blend = std::make_shared<MaterialNode>();
+  blend->kind = MaterialNode::Kind::blend;
+  blend->weight.value.fill(rest / (rest + parts[first].share));
+  blend->children = {node, sum_node(parts, first + 1)};
+  return blend;
+}
+
+/// Numbers as numbers, colours as three, names as text: as a material's JSON has them.
+nlohmann::ordered_json value_json(const Parameters& parameters, const std::string& name) {
+  const ParamInfo& p = *parameters.descriptor().find(name);
+  if (p.slot < 0 || !parameters.given_name(name).empty())
+    return parameters.text(name);
+  const double* slots = &parameters.slots()[size_t(p.slot)];
+  if (p.kind == ParamKind::reflectance || p.kind == ParamKind::spectrum)
+    return {slots[0], slots[1], slots[2]};
+  return slots[0];
 }
 
 nlohmann::ordered_json errors_json(const FitErrors& e) {
@@ -159,6 +186,10 @@ FitResult fit_material(const FitData& data, const FitOptions& options) {
   return result;
 }
 
+std::shared_ptr<MaterialNode> fit_node(const FitResult& result) {
+  return sum_node(result.parts, 0);
+}
+
 std::string fit_json(const FitResult& result) {
   nlohmann::ordered_json json{{"model", result.model},
                               {"lobes", result.lobes},
@@ -179,10 +210,10 @@ std::string fit_json(const FitResult& result) {
   for (const FitPart& part : result.parts) {
     nlohmann::ordered_json parameters;
     for (const auto& [name, text] : part.parameters.given())
-      parameters[name] = part.parameters.text(name);
-    json["parts"].push_back({{"share", part.share},
-                             {"model", part.parameters.model().name()},
-                             {"parameters", parameters}});
+      parameters[name] = value_json(part.parameters, name);
+    nlohmann::ordered_json material{{"model", part.parameters.model().name()},
+                                    {"parameters", parameters}};
+    json["parts"].push_back({{"share", part.share}, {"material", material}});
   }
   for (const FitCandidate& c : result.candidates)
     json["candidates"].push_back({{"model", c.model},

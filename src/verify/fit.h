@@ -3,6 +3,7 @@
 /// Fits materials to measured reflectance: Levenberg and Marquardt's method (Ceres) on the models'
 /// own templates with exact derivatives, from several starts.
 
+#include "scene/scene.h"
 #include "verify/fit_model.h"
 
 namespace faceta {
@@ -43,6 +44,9 @@ struct FitResult {
 /// Fits a material. The result is the same for any number of threads up to rounding.
 /// @throws Error for an unknown model or an impossible number of lobes.
 FitResult fit_material(const FitData& data, const FitOptions& options = {});
+
+/// The sum as a tree of materials: one model, or blends of two, nested.
+std::shared_ptr<MaterialNode> fit_node(const FitResult& result);
 
 /// The result as indented JSON: model, parts, errors in all metrics by channel and by theta_i,
 /// BIC, candidates.

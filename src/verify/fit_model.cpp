@@ -86,6 +86,13 @@ double FitTransform::inverse(double y) const {
   return std::log(s / (1 - s));
 }
 
+std::vector<DirectionPair> pairs_of(std::span<const FitRow> rows) {
+  std::vector<DirectionPair> pairs;
+  for (const FitRow& row : rows)
+    pairs.push_back({row.wo, row.wi});
+  return pairs;
+}
+
 std::vector<std::string> fit_model_names() {
   std::vector<std::string> names;
   for (const Recipe& r : recipes())
@@ -147,7 +154,7 @@ void FitModel::add(FitTerm term, const std::vector<std::string>& held) {
   terms_.push_back(std::move(term));
   active_.push_back(std::move(slots));
   owner_.push_back(std::move(owners));
-  kernels_.push_back(find_fit_kernel(model.name()));
+  models_.push_back(&model);
 }
 
 std::vector<double> FitModel::start() const {
@@ -195,12 +202,13 @@ void FitModel::evaluate(const State& state, std::span<const FitRow> rows, double
   if (derivatives)
     std::fill(derivatives, derivatives + count * n, 0.0);
   std::vector<double> term(count), slopes;
+  std::vector<DirectionPair> pairs = pairs_of(rows);
   for (size_t k = 0; k < terms_.size(); ++k) {
     size_t width = active_[k].size();
     if (derivatives)
       slopes.resize(count * width);
-    kernels_[k](state.records[k], state.slots[k], active_[k], rows, term.data(),
-                derivatives ? slopes.data() : nullptr);
+    models_[k]->eval_rows(state.records[k], state.slots[k], active_[k], pairs, term.data(),
+                          derivatives ? slopes.data() : nullptr);
     double w = state.weights[k];
     for (size_t i = 0; i < count; ++i)
       values[i] += w * term[i];

@@ -3,7 +3,8 @@
 /// What is fitted: a sum of materials with free parameters, each behind a transform that keeps it
 /// in its range.
 
-#include "verify/fit_kernels.h"
+#include "bsdf/registry.h"
+#include "verify/fit_data.h"
 
 namespace faceta {
 
@@ -72,8 +73,11 @@ private:
   std::vector<FitTerm> terms_;
   std::vector<FitParameter> parameters_;
   std::vector<std::vector<int>> active_, owner_; ///< per term: slots and the parameters they take
-  std::vector<FitKernel> kernels_;
+  std::vector<const Model*> models_;             ///< of the terms
 };
+
+/// Directions of rows.
+std::vector<DirectionPair> pairs_of(std::span<const FitRow> rows);
 
 /// Names that FitModel takes: registered models and "ggx", which is two (or one) GGX lobes with
 /// free reflectances at both ends of Schlick's curve over a diffuse base, as a hazygloss.

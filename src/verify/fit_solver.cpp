@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <ceres/ceres.h>
 #include <cmath>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 namespace faceta {
 
@@ -24,46 +26,69 @@ double slope_of(FitMetric metric, double v) {
                                      : 1;
 }
 
-/// Makes the state once per step, for all chunks of rows.
-class StateCallback : public ceres::EvaluationCallback {
+/// Where numbers other than widths and colours start, of a plain and of a coated lobe.
+struct StartShape {
+  const char* name;
+  double plain, coated;
+};
+constexpr StartShape kStartShapes[] = {{"gloss_across", 0, 1},
+                                       {"gloss_masking", 0.15, 1.5},
+                                       {"eta", 0.5, 1.5}, // a metal, or what lies under a coat
+                                       {"k", 2.5, 0.3}};
+
+/// Computes all residuals and derivatives of a step before Ceres asks for them: in parallel by
+/// chunks of rows, each of which fits into the cache.
+class Residuals : public ceres::EvaluationCallback {
 public:
-  StateCallback(const FitModel& model, const std::vector<double>& x) : model_(model), x_(x) {}
-  void PrepareForEvaluation(bool, bool new_point) override {
-    if (new_point || state_.x.empty())
-      state_ = model_.state(x_);
+  Residuals(const FitModel& model, const FitData& data, const std::vector<double>& x,
+            const FitSearch& search)
+      : model_(model), residuals_(data, search.metric), x_(x), arena_(search.threads),
+        values_(3 * data.rows.size()) {}
+
+  void PrepareForEvaluation(bool with_derivatives, bool) override {
+    constexpr size_t kRows = 64;
+    size_t n = size_t(model_.size());
+    derivatives_.resize(with_derivatives ? values_.size() * n : 0);
+    FitModel::State state = model_.state(x_);
+    std::span<const FitRow> rows = residuals_.data().rows;
+    arena_.execute([&] {
+      tbb::parallel_for(size_t(0), (rows.size() + kRows - 1) / kRows, [&](size_t chunk) {
+        size_t first = chunk * kRows, count = std::min(kRows, rows.size() - first);
+        double* values = &values_[3 * first];
+        double* derivatives = with_derivatives ? &derivatives_[3 * first * n] : nullptr;
+        model_.evaluate(state, rows.subspan(first, count), values, derivatives);
+        residuals_.apply(first, count, values, derivatives, n);
+      });
+    });
   }
-  const FitModel::State& state() const { return state_; }
+  const std::vector<double>& values() const { return values_; }
+  const std::vector<double>& derivatives() const { return derivatives_; }
 
 private:
   const FitModel& model_;
+  FitResiduals residuals_;
   const std::vector<double>& x_;
-  FitModel::State state_;
+  tbb::task_arena arena_;
+  std::vector<double> values_, derivatives_;
 };
 
-class ChunkCost : public ceres::CostFunction {
+/// Hands them over.
+class ResidualCost : public ceres::CostFunction {
 public:
-  static constexpr size_t kRows = 128;
-
-  ChunkCost(const FitModel& model, const FitResiduals& residuals, const StateCallback& callback,
-            size_t first)
-      : model_(model), residuals_(residuals), callback_(callback), first_(first),
-        count_(std::min(kRows, residuals.data().rows.size() - first)) {
-    set_num_residuals(int(3 * count_));
-    mutable_parameter_block_sizes()->push_back(model.size());
+  ResidualCost(const Residuals& residuals, int size) : residuals_(residuals) {
+    set_num_residuals(int(residuals.values().size()));
+    mutable_parameter_block_sizes()->push_back(size);
   }
   bool Evaluate(double const* const*, double* values, double** jacobians) const override {
-    double* derivatives = jacobians ? jacobians[0] : nullptr;
-    std::span<const FitRow> rows(residuals_.data().rows.data() + first_, count_);
-    model_.evaluate(callback_.state(), rows, values, derivatives);
-    residuals_.apply(first_, count_, values, derivatives, size_t(model_.size()));
-    return std::all_of(values, values + 3 * count_, [](double v) { return std::isfinite(v); });
+    std::copy(residuals_.values().begin(), residuals_.values().end(), values);
+    if (jacobians && jacobians[0])
+      std::copy(residuals_.derivatives().begin(), residuals_.derivatives().end(), jacobians[0]);
+    return std::all_of(residuals_.values().begin(), residuals_.values().end(),
+                       [](double v) { return std::isfinite(v); });
   }
 
 private:
-  const FitModel& model_;
-  const FitResiduals& residuals_;
-  const StateCallback& callback_;
-  size_t first_, count_;
+  const Residuals& residuals_;
 };
 
 /// Minimises |A y - b|^2 for y in [low, high], from A'A and A'b, by coordinates.
@@ -147,19 +172,15 @@ void FitResiduals::apply(size_t first, size_t count, double* values, double* der
 FitSolution solve_fit(const FitModel& model, const FitData& data, const std::vector<double>& x,
                       const FitSearch& search) {
   FitSolution solution{x};
-  FitResiduals residuals(data, search.metric);
-  StateCallback callback(model, solution.x);
+  Residuals residuals(model, data, solution.x, search);
   ceres::Problem::Options problem_options;
-  problem_options.evaluation_callback = &callback;
+  problem_options.evaluation_callback = &residuals;
   ceres::Problem problem(problem_options);
-  for (size_t i = 0; i < data.rows.size(); i += ChunkCost::kRows)
-    problem.AddResidualBlock(new ChunkCost(model, residuals, callback, i), nullptr,
-                             solution.x.data());
+  problem.AddResidualBlock(new ResidualCost(residuals, model.size()), nullptr, solution.x.data());
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = search.iterations;
   options.function_tolerance = search.tolerance;
-  options.num_threads = search.threads;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
@@ -175,10 +196,9 @@ std::vector<double> start_fit(const FitModel& model, const FitData& data, const 
   for (size_t j = 0; j < model.parameters().size(); ++j) {
     const FitParameter& p = model.parameters()[j];
     bool is_alpha = p.name.size() >= 5 && p.name.compare(p.name.size() - 5, 5, "alpha") == 0;
-    if (start.coated && p.name == "gloss_across")
-      x[j] = p.transform.inverse(1);
-    if (start.coated && p.name == "gloss_masking")
-      x[j] = p.transform.inverse(1.5);
+    for (const auto& [name, plain, coated] : kStartShapes)
+      if (p.name == name)
+        x[j] = p.transform.inverse(start.coated ? coated : plain);
     if (!is_alpha && p.name != "exponent")
       continue;
     double alpha = start.alphas[std::min(lobe++, start.alphas.size() - 1)];
