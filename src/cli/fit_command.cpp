@@ -1,8 +1,12 @@
 #include "cli/fit_command.h"
 
+#include "cli/arguments.h"
 #include "cli/commands.h"
+#include "cli/gallery.h"
 #include "formats/material_xml.h"
+#include "formats/measured_loader.h"
 #include "formats/output_file.h"
+#include "formats/reflector.h"
 #include "image/io.h"
 #include "verify/fit_picture.h"
 
@@ -16,9 +20,32 @@ namespace faceta::cli {
 
 namespace {
 
-/// The measured reflectance of a file.
-FitTarget read_fit_target(const std::string& path) {
-  throw Error("files of measured reflectance cannot be fitted yet", {path});
+/// The reflectance of a file, or of a material.
+FitTarget fit_target(const FitCommandOptions& options) {
+  auto source = std::make_shared<Reflector>(find_reflector(options.file, options.settings));
+  FitTarget target;
+  target.value = [source](const Vec3<double>& wo, const Vec3<double>& wi) {
+    Color<double> c = source->value(wo, wi) * (1 / wi.z);
+    return std::array<double, 3>{c[0], c[1], c[2]};
+  };
+  return target;
+}
+
+/// The gallery's object with the source beside the same with the fit.
+void write_picture(const FitCommandOptions& options, const FitResult& result) {
+  Gallery gallery = read_gallery();
+  const std::string scene = gallery.rows.at(0).cells.at(0).scene;
+  NamedModel source = model_or_file(options.file, options.settings);
+  SheetRow row{std::filesystem::path(options.file).filename().string(), "", {}};
+  auto add = [&](const std::string& title, const std::string& label, const xml::NodePtr& bsdf) {
+    GalleryCell cell{title, label, "", scene, 2 * gallery.spp};
+    row.cells.push_back({title, label, render_cell(gallery, cell, *bsdf, RenderOptions{})});
+  };
+  add("Source", source.model->name(), parameters_to_xml(parameters_of(source)));
+  add("Fit", fmt::format("{}, {} lobes, {} numbers", result.model, result.lobes, result.parameters),
+      material_to_xml(*fit_node(result)));
+  write_image(options.picture,
+              compose_sheet("Fit", "The same object under the same light.", {row}, gallery.style));
 }
 
 bool has_ending(const std::string& path, const char* ending) {
@@ -60,7 +87,9 @@ int run_fit(const FitCommandOptions& options) {
   for (const std::string& path : options.outputs)
     if (!has_ending(path, ".xml") && !has_ending(path, ".json"))
       throw Error("no writer for this ending", {path}, "known: .xml, .json");
-  FitData data = sample_fit_target(read_fit_target(options.file), options.max_theta);
+  if (!options.picture.empty() && !can_write_image(options.picture))
+    throw Error("no writer for this ending", {options.picture}, "known: .exr, .png, .pfm, .hdr");
+  FitData data = sample_fit_target(fit_target(options), options.max_theta);
   FitResult result = fit_material(data, options.fit);
   if (!options.quiet)
     std::fputs(fit_text(result).c_str(), stdout);
@@ -69,6 +98,8 @@ int run_fit(const FitCommandOptions& options) {
                has_ending(path, ".json") ? fit_json(result) : write_material(*fit_node(result)));
   if (!options.maps.empty())
     write_maps(options.maps, fit_map(data, result.fitted));
+  if (!options.picture.empty())
+    write_picture(options, result);
   return kOk;
 }
 
@@ -80,9 +111,12 @@ void add_fit(CLI::App& app, Action& action) {
               "log  sqrt(sum W (ln(1 + f c) - ln(1 + g c))^2), cbrt the same of cube roots with\n"
               "weight W cos_o, rel the same of f c, over the size of f c. In JSON the material\n"
               "comes with these figures and with what else was tried.");
-  sub->add_option("file", options->file, "a file of measured reflectance")
+  auto settings = std::make_shared<std::vector<std::string>>();
+  sub->add_option("file", options->file, "a file of measured reflectance, or a material")
       ->required()
       ->type_name("FILE");
+  sub->add_option("settings", *settings, "of `measured` or of the material")
+      ->type_name("NAME=VALUE");
   std::vector<std::string> models = fit_model_names();
   models.insert(models.begin(), "auto");
   sub->add_option(
@@ -118,8 +152,13 @@ void add_fit(CLI::App& app, Action& action) {
                   "write the residuals over theta_h and theta_d there: mean.png, rms.png and "
                   "residuals.csv")
       ->type_name("FOLDER");
-  sub->add_flag("--quiet", options->quiet, "print nothing");
-  sub->callback([=, &action] { action = [=] { return run_fit(*options); }; });
+  sub->add_option("--picture", options->picture, "render the source and the fit side by side")
+      ->type_name("FILE");
+  sub->add_flag("-q,--quiet", options->quiet, "print nothing");
+  sub->callback([=, &action] {
+    options->settings = settings_of(*settings);
+    action = [=] { return run_fit(*options); };
+  });
 }
 
 } // namespace faceta::cli

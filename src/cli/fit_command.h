@@ -2,6 +2,7 @@
 
 /// `faceta fit`: its options and what they make.
 
+#include "bsdf/describe.h"
 #include "cli/arguments.h"
 #include "verify/fit.h"
 
@@ -11,6 +12,8 @@ namespace faceta::cli {
 
 struct FitCommandOptions {
   std::string file;
+  Settings settings;   ///< of the file or material
+  std::string picture; ///< side by side; empty: none
   FitOptions fit;
   double max_theta = 80;
   std::vector<std::string> outputs; ///< .xml: the material; .json: material, errors, candidates
