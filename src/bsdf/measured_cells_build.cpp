@@ -383,4 +383,21 @@ HugeVector<float> measured_block(const MeasuredTree& tree) {
   return block.finish();
 }
 
+const std::map<std::string, KlemsBasis>& klems_bases() {
+  static const std::map<std::string, KlemsBasis> bases = [] {
+    std::map<std::string, KlemsBasis> out = {
+        {"lbnl/klems full",
+         {{0, 5, 15, 25, 35, 45, 55, 65, 75, 90}, {1, 8, 16, 20, 24, 24, 24, 16, 12}}},
+        {"lbnl/klems half",
+         {{0, 6.5, 19.5, 32.5, 46.5, 61.5, 76.5, 90}, {1, 8, 12, 16, 20, 12, 4}}},
+        {"lbnl/klems quarter", {{0, 9, 27, 46, 66, 90}, {1, 8, 12, 12, 8}}},
+    };
+    for (auto& [name, basis] : out)
+      for (double& theta : basis.theta)
+        theta *= kPi / 180;
+    return out;
+  }();
+  return bases;
+}
+
 } // namespace faceta

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <utility>
 #include <variant>
@@ -91,6 +92,9 @@ struct KlemsBasis {
     return n;
   }
 };
+
+/// The bases that files need not define: "lbnl/klems full", half and quarter.
+const std::map<std::string, KlemsBasis>& klems_bases();
 
 /// Which way light goes: from the front (z > 0) or the back, reflected or transmitted.
 enum MeasuredPass { kFrontReflection, kFrontTransmission, kBackReflection, kBackTransmission };

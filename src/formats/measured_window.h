@@ -6,12 +6,8 @@
 
 #include <array>
 #include <functional>
-#include <map>
 
 namespace faceta {
-
-/// The bases that files need not define: "lbnl/klems full", half and quarter.
-const std::map<std::string, KlemsBasis>& klems_bases();
 
 /// The text of a <ScatteringData> element and its place in the file.
 struct ScatteringText {

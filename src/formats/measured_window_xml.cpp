@@ -397,23 +397,6 @@ bool is_klems(std::string_view bytes) {
   return is_window_xml(bytes) && !is_tensor_tree(bytes);
 }
 
-const std::map<std::string, KlemsBasis>& klems_bases() {
-  static const std::map<std::string, KlemsBasis> bases = [] {
-    std::map<std::string, KlemsBasis> out = {
-        {"lbnl/klems full",
-         {{0, 5, 15, 25, 35, 45, 55, 65, 75, 90}, {1, 8, 16, 20, 24, 24, 24, 16, 12}}},
-        {"lbnl/klems half",
-         {{0, 6.5, 19.5, 32.5, 46.5, 61.5, 76.5, 90}, {1, 8, 12, 16, 20, 12, 4}}},
-        {"lbnl/klems quarter", {{0, 9, 27, 46, 66, 90}, {1, 8, 12, 12, 8}}},
-    };
-    for (auto& [name, basis] : out)
-      for (double& theta : basis.theta)
-        theta *= kDegree;
-    return out;
-  }();
-  return bases;
-}
-
 MeasuredFile read_window_xml(const InputText& input, const MeasuredOptions& options) {
   return WindowReader(input, options).read();
 }

@@ -1,5 +1,4 @@
 #include "bsdf/bsdf.h"
-#include "formats/measured_window.h"
 #include "materials/measured_demo.h"
 #include "sampling/warp.h"
 
