@@ -12,6 +12,7 @@ constexpr int kBatch = 4096;
 constexpr int kPilot = 16384;
 constexpr int kLeaf = 32;
 constexpr long kEvaluationsPerCell = 40000;
+constexpr int kParts = 8; ///< of cells of the sphere, where the density has steps
 
 SpherePartition make_partition(const Subject& subject, const Vec3<float>& wo, TransportMode mode,
                                RandomStream& random) {
@@ -79,7 +80,8 @@ DensityStudy study_density(const Subject& subject, const Vec3<float>& wo, Transp
   for (size_t i = 0; i < cells; ++i) {
     double deviation = std::sqrt(std::max(study.observed[i], 5.0)) / study.samples;
     Integral mass = integrate(density, study.partition.cells()[i], tolerance * deviation, 0,
-                              kEvaluationsPerCell);
+                              kEvaluationsPerCell,
+                              subject.traits().tabulated && subject.transmissive() ? kParts : 1);
     study.mass[i] = mass.value;
     study.mass_error += mass.error;
   }

@@ -274,6 +274,7 @@ void MaterialTree::gather(const Part& part) {
     const Descriptor& d = part.parameters->descriptor();
     traits.lobes |= d.traits.lobes;
     traits.delta = traits.delta && d.traits.delta;
+    traits.tabulated = traits.tabulated || d.traits.tabulated;
     traits.has_delta = traits.has_delta || d.traits.delta || d.traits.has_delta;
     traits.reciprocal = traits.reciprocal && d.traits.reciprocal;
     traits.albedo_bound = std::max(traits.albedo_bound, d.traits.albedo_bound);

@@ -61,6 +61,13 @@ bool peaks_at_border(const PlaneFunction& f, const Rectangle& area, double large
   return false;
 }
 
+std::vector<double> even(double low, double high, int parts) {
+  std::vector<double> borders;
+  for (int i = 0; i <= parts; ++i)
+    borders.push_back(low + (high - low) * i / parts);
+  return borders;
+}
+
 std::vector<double> graded(double low, double high) {
   std::vector<double> borders = {low};
   for (int i = 0; i < kGradeCount; ++i)
@@ -74,7 +81,7 @@ std::vector<double> graded(double low, double high) {
 } // namespace
 
 Integral integrate(const PlaneFunction& f, const Rectangle& area, double absolute, double relative,
-                   long max_evaluations) {
+                   long max_evaluations, int parts) {
   std::priority_queue<Piece> pieces;
   Piece whole = measure(f, area);
   Integral sum{0, 0, 49 + 81};
@@ -83,8 +90,10 @@ Integral integrate(const PlaneFunction& f, const Rectangle& area, double absolut
     sum.error += piece.error;
     pieces.push(piece);
   };
-  if (peaks_at_border(f, area, whole.largest)) {
-    std::vector<double> x = graded(area.x0, area.x1), y = graded(area.y0, area.y1);
+  bool peak = peaks_at_border(f, area, whole.largest);
+  if (peak || parts > 1) {
+    std::vector<double> x = peak ? graded(area.x0, area.x1) : even(area.x0, area.x1, parts);
+    std::vector<double> y = peak ? graded(area.y0, area.y1) : even(area.y0, area.y1, parts);
     for (size_t i = 0; i + 1 < x.size(); ++i)
       for (size_t j = 0; j + 1 < y.size(); ++j)
         push(measure(f, {x[i], x[i + 1], y[j], y[j + 1]}));

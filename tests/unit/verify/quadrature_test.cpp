@@ -66,4 +66,16 @@ TEST(Quadrature, NeverEvaluatesTheBorder) {
   EXPECT_NEAR(integrate(f, {0, 1, 0, 1}, 1e-4, 0, 1000000).value, 4, 1e-3);
 }
 
+// A step nearer to the border than any node goes unseen, unless there are parts of which it is not.
+TEST(Quadrature, StepsAreFoundByParts) {
+  for (double step : {0.004, 0.015, 0.97}) {
+    PlaneFunction f = [&](double x, double) { return x > step ? 1.0 : 0.0; };
+    Integral i = integrate(f, {0, 1, 0, 1}, 1e-6, 0, 40000, 8);
+    EXPECT_NEAR(i.value, 1 - step, 2e-4) << step;
+  }
+  Integral whole =
+      integrate([](double x, double) { return x > 0.015 ? 1.0 : 0.0; }, {0, 1, 0, 1}, 1e-6);
+  EXPECT_NEAR(whole.value, 1, 1e-9);
+}
+
 } // namespace
