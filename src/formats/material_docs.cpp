@@ -173,6 +173,15 @@ std::string xml_element(const ParamInfo& p) {
   return fmt::format("<{} name=\"{}\" value=\"{}\"/>", tag, p.name, xml_escape(value));
 }
 
+/// The file that the first exemplar has.
+std::string shown_file(const Descriptor& d, const ParamInfo& p) {
+  for (const Exemplar& e : d.exemplars)
+    for (const auto& [key, value] : e.settings)
+      if (key == p.name)
+        return xml_escape(value);
+  return "FILE";
+}
+
 /// A cell of a Markdown table.
 std::string cell(std::string text) {
   for (size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2)
@@ -302,7 +311,9 @@ std::string lobes_summary(const Descriptor& d) {
 std::string material_xml_snippet(const Descriptor& d) {
   std::string body;
   for (const ParamInfo& p : d.params) {
-    if (instead_of(d, p) || is_required(p))
+    if (p.kind == ParamKind::file)
+      body += fmt::format("  <string name=\"{}\" value=\"{}\"/>\n", p.name, shown_file(d, p));
+    if (instead_of(d, p) || is_required(p) || p.reads_file)
       continue;
     body += "  " + xml_element(p) + "\n";
     std::vector<std::string> others;

@@ -124,7 +124,7 @@ std::shared_ptr<const FileTables> load_demo(const Parameters& parameters,
     throw Error("this program reads no files of measured values", where,
                 "call faceta::load_measured_files() first");
   for (const ParamInfo& p : parameters.descriptor().params)
-    if (p.reads_file && parameters.was_set(p.name))
+    if (p.reads_file && parameters.text(p.name) != Parameters(parameters.model()).text(p.name))
       throw Error("'" + p.name + "' says how a file is read, and '" + name + "' is none", where,
                   "leave it out");
   return demo_tables(name, parameters.model().name());
