@@ -140,7 +140,8 @@ std::string card(const Descriptor& d, const DocsResults& results) {
 
 std::string try_it(const Descriptor& d, bool is_model) {
   std::string text = "<h2>In a scene file</h2>\n" + element("pre", material_xml_snippet(d)) + "\n";
-  std::string plot = is_model ? fmt::format("faceta plot {0} -o {0}.svg\n", d.name) : "";
+  std::string file = d.file() ? " " + d.file()->name + "=FILE" : "";
+  std::string plot = is_model ? fmt::format("faceta plot {0}{1} -o {0}.svg\n", d.name, file) : "";
   return text + "<h2>On the command line</h2>\n" +
          element("pre", fmt::format("faceta materials {0}\n{1}faceta verify {0} --html {0}.html\n",
                                     d.name, plot)) +

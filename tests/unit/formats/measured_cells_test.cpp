@@ -1,5 +1,5 @@
-#include "materials/measured_demo.h"
 #include "formats/measured_loader.h"
+#include "materials/measured_demo.h"
 #include "mitsuba_test_tools.h"
 
 #include <variant>
@@ -73,13 +73,14 @@ TEST(MeasuredWindow, TheDemonstrationsAreWhatTheyAreMadeOf) {
       }
 }
 
-// Trees hold the middles of their cells: near what they were made of, on average.
+// Trees hold the middles of their cells: near what they were made of, on average, and far from it
+// if light came from the opposite azimuth. Of rank 4 the cells are as wide as the narrow lobe.
 TEST(MeasuredWindow, DemonstrationTreesComeNearWhatTheyAreMadeOf) {
   load_measured_files();
   for (const char* name : {"demo:tree3", "demo:tree4"}) {
     Parameters tree = make_parameters("measuredwindow", {{"filename", name}});
     Record record = tree.record();
-    double error = 0, sum = 0;
+    double error = 0, opposite = 0, sum = 0;
     for (int k = 0; k < 4000; ++k) {
       auto u = [&](double step) { return k * step - std::floor(k * step); };
       auto direction = [](double a, double b) {
@@ -92,10 +93,14 @@ TEST(MeasuredWindow, DemonstrationTreesComeNearWhatTheyAreMadeOf) {
                           : wo.z < 0 ? kBackReflection
                                      : kBackTransmission;
       double f = demo_window(pass, wi, wo)[1] * std::abs(wi.z);
-      error += std::abs(tree.model().eval(record, {wo, wi}).value[1] - f);
+      double g = demo_window(pass, {-wi.x, -wi.y, wi.z}, wo)[1] * std::abs(wi.z);
+      double value = tree.model().eval(record, {wo, wi}).value[1];
+      error += std::abs(value - f);
+      opposite += std::abs(value - g);
       sum += f;
     }
-    EXPECT_LT(error / sum, 0.15) << name;
+    EXPECT_LT(error / sum, 0.3) << name;
+    EXPECT_LT(error, 0.5 * opposite) << name;
   }
 }
 
