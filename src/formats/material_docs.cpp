@@ -313,7 +313,7 @@ std::string material_xml_snippet(const Descriptor& d) {
   for (const ParamInfo& p : d.params) {
     if (p.kind == ParamKind::file)
       body += fmt::format("  <string name=\"{}\" value=\"{}\"/>\n", p.name, shown_file(d, p));
-    if (instead_of(d, p) || is_required(p) || p.reads_file)
+    if (instead_of(d, p) || is_required(p))
       continue;
     body += "  " + xml_element(p) + "\n";
     std::vector<std::string> others;

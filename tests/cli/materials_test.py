@@ -67,10 +67,11 @@ class Materials(Case):
                     f"{e.get('name')}={e.get('value')}".replace(", ", ",")
                     for e in ElementTree.fromstring(m["xml"])
                 ]
+                files = [s for s in settings if s.startswith("filename=")]  # has no default
                 row = header + "0,0,1,0.6,0,0.8\n"
                 self.assertEqual(
                     self.succeed("eval", m["name"], *settings, stdin=row),
-                    self.succeed("eval", m["name"], stdin=row),
+                    self.succeed("eval", m["name"], *files, stdin=row),
                 )
 
     def test_nodes_of_scene_files(self):
