@@ -19,9 +19,16 @@ const char* name_of(TransportMode mode) {
   return mode == TransportMode::radiance ? "radiance" : "importance";
 }
 
+// The density of a table with steps takes minutes a viewer to integrate: few viewers must do.
+Effort affordable(const Subject& subject, Effort effort) {
+  bool steps = subject.traits().tabulated && subject.transmissive();
+  return steps ? Effort::quick : effort;
+}
+
 } // namespace
 
-Outcome check_chi_square(const Subject& subject, Effort effort, double level) {
+Outcome check_chi_square(const Subject& subject, Effort wanted, double level) {
+  Effort effort = affordable(subject, wanted);
   Outcome outcome;
   outcome.figure = 1;
   uint64_t seed = subject.stream(1000);
@@ -43,7 +50,8 @@ Outcome check_chi_square(const Subject& subject, Effort effort, double level) {
   return outcome;
 }
 
-Outcome check_density(const Subject& subject, Effort effort, double level) {
+Outcome check_density(const Subject& subject, Effort wanted, double level) {
+  Effort effort = affordable(subject, wanted);
   Outcome outcome;
   const double z = two_sided_quantile(level);
   uint64_t seed = subject.stream(2000);
